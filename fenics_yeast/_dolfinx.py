@@ -1,0 +1,204 @@
+"""What differs between versions of dolfinx, told apart by feature; no other module asks.
+
+Known to run: dolfinx 0.5 (Debian 12) and 0.9 (Debian 13).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+try:
+    import basix
+    import dolfinx.fem.petsc
+    import dolfinx.mesh
+    from dolfinx import fem, la
+    from mpi4py import MPI
+    from petsc4py import PETSc
+except ImportError as error:
+    raise ImportError(
+        f"dolfinx cannot be imported ({error}); on Debian: sudo apt install python3-dolfinx, "
+        "then use /usr/bin/python3 or a virtual environment of it with --system-site-packages"
+    ) from error
+
+try:
+    import basix.ufl as basix_ufl
+except ImportError:  # dolfinx 0.5 describes elements in ufl
+    basix_ufl = None
+
+__all__ = [
+    "MPI",
+    "PETSc",
+    "accumulate",
+    "assemble_matrix",
+    "assemble_scalar",
+    "cell_tags",
+    "cell_vertices",
+    "compile_expression",
+    "compile_form",
+    "create_matrix",
+    "dof_array",
+    "evaluate",
+    "fem",
+    "interval_mesh",
+    "node_dofs",
+    "pole_dofs",
+    "quadrature_points",
+    "quadrature_space",
+    "shell_space",
+]
+
+_ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
+_NEW_SPACES = hasattr(fem, "functionspace")
+_JIT = {"cffi_extra_compile_args": ["-O3", "-fno-math-errno"], "cffi_libraries": ["m"]}
+_JIT_KEYWORD = "jit_options" if _NEW_SPACES else "jit_params"
+
+
+def interval_mesh(comm: Any, nodes: NDArray[np.float64]) -> Any:
+    """Interval mesh with the given increasing vertex coordinates, shape ``(n + 1,)``."""
+    n = len(nodes) - 1
+    mesh = dolfinx.mesh.create_interval(comm, n, [0.0, float(n)])
+    mesh.geometry.x[:, 0] = nodes[np.rint(mesh.geometry.x[:, 0]).astype(int)]
+    domain = mesh.ufl_domain()
+    if hasattr(domain, "_ufl_coordinate_element") and basix_ufl is None:
+        # Else the first compilation of a process changes the element, and with it the
+        # signatures of later forms: nothing would be found in the cache.
+        domain._ufl_coordinate_element = ufl.VectorElement(
+            "Lagrange", domain.ufl_cell(), 1, variant="equispaced", dim=1
+        )
+    return mesh
+
+
+def _space(mesh: Any, element: Any) -> Any:
+    with _quiet():
+        return fem.functionspace(mesh, element) if _NEW_SPACES else fem.FunctionSpace(mesh, element)
+
+
+def shell_space(mesh: Any, order: int) -> Any:
+    """Mixed space of ``(u_r, u_z, β)``, continuous, and of ``Q``, discontinuous."""
+    if basix_ufl is not None:
+        cell = mesh.basix_cell()
+        motion = basix_ufl.element("Lagrange", cell, order, shape=(3,))
+        shear = basix_ufl.element("DG", cell, order - 1)
+        return _space(mesh, basix_ufl.mixed_element([motion, shear]))
+    cell = mesh.ufl_cell()
+    motion = ufl.VectorElement("Lagrange", cell, order, dim=3)
+    shear = ufl.FiniteElement("DG", cell, order - 1)
+    return _space(mesh, ufl.MixedElement([motion, shear]))
+
+
+def cell_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
+    """Tags of all local cells, ghosts among them."""
+    cells = np.arange(len(values), dtype=np.int32)
+    return dolfinx.mesh.meshtags(mesh, mesh.topology.dim, cells, values)
+
+
+def cell_vertices(mesh: Any) -> NDArray[np.int32]:
+    """Indices of the two ends of each local cell in the geometry, shape ``(cells, 2)``."""
+    dofmap = mesh.geometry.dofmap
+    return np.asarray(getattr(dofmap, "array", dofmap)).reshape(-1, 2)
+
+
+def pole_dofs(space: Any, sub: tuple[int, int], S: float) -> NDArray[np.int32]:
+    """Degrees of freedom of a component at the end of the mesh with the arc length `S`."""
+    tolerance = 1e-9 * max(abs(S), 1.0)
+    vertices = dolfinx.mesh.locate_entities_boundary(
+        space.mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
+    )
+    return fem.locate_dofs_topological(space.sub(sub[0]).sub(sub[1]), 0, vertices)
+
+
+def node_dofs(space: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Arc length of the owned nodes and their dofs of the first sub-space, shape ``(n, 3)``."""
+    motion, parent = space.sub(0).collapse()
+    owned = motion.dofmap.index_map.size_local
+    S = motion.tabulate_dof_coordinates()[:owned, 0]
+    return S, np.asarray(parent, dtype=np.int32)[: 3 * owned].reshape(-1, 3)
+
+
+def quadrature_space(mesh: Any, size: int, degree: int) -> Any:
+    """Vectors of ``size`` numbers at each quadrature point of the given degree."""
+    if basix_ufl is not None:
+        element = basix_ufl.quadrature_element(
+            mesh.basix_cell(), value_shape=(size,), degree=degree
+        )
+    else:
+        element = ufl.VectorElement(
+            "Quadrature", mesh.ufl_cell(), degree=degree, dim=size, quad_scheme="default"
+        )
+    return _space(mesh, element)
+
+
+def quadrature_points(degree: int) -> NDArray[np.float64]:
+    """Points of the default rule on the reference interval, shape ``(n, 1)``."""
+    points, _ = basix.make_quadrature(basix.CellType.interval, degree)
+    return np.asarray(points)
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Hold back the compiler's own lines; it sets the root logger up to show them all."""
+    root = logging.getLogger()
+    level, disabled = root.level, root.manager.disable
+    logging.disable(max(disabled, logging.INFO))
+    try:
+        yield
+    finally:
+        root.setLevel(level)
+        logging.disable(disabled)
+
+
+def compile_form(form: Any) -> Any:
+    """Compiled form."""
+    with _quiet():
+        return fem.form(form, **{_JIT_KEYWORD: _JIT})
+
+
+def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
+    """Compiled expression at points of the reference interval."""
+    with _quiet():
+        return fem.Expression(expression, points, **{_JIT_KEYWORD: _JIT})
+
+
+def evaluate(expression: Any, mesh: Any, cells: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Values of a compiled expression, point after point, shape ``(len(cells), points size)``."""
+    values = expression.eval(mesh, cells) if _NEW_SPACES else expression.eval(cells)
+    return np.asarray(values).reshape(len(cells), -1)
+
+
+def dof_array(space: Any) -> NDArray[np.int32]:
+    """Unrolled local degrees of freedom of each cell, shape ``(cells, dofs of a cell)``."""
+    dofmap = space.dofmap
+    blocks = getattr(dofmap.list, "array", dofmap.list)
+    cells = space.mesh.topology.index_map(space.mesh.topology.dim)
+    blocks = np.asarray(blocks).reshape(cells.size_local + cells.num_ghosts, -1)
+    size = dofmap.bs
+    return (blocks[:, :, None] * size + np.arange(size)).reshape(len(blocks), -1)
+
+
+def accumulate(function: Any) -> None:
+    """Add what the ranks assembled into ghosts to its owners."""
+    function.x.scatter_reverse(_ADD)
+
+
+def create_matrix(form: Any) -> Any:
+    """PETSc matrix with the sparsity of a compiled bilinear form."""
+    return dolfinx.fem.petsc.create_matrix(form)
+
+
+def assemble_matrix(matrix: Any, form: Any, conditions: Sequence[Any]) -> None:
+    """Assemble a compiled bilinear form; constrained rows and columns become unit ones."""
+    matrix.zeroEntries()
+    dolfinx.fem.petsc.assemble_matrix(matrix, form, conditions)
+    matrix.assemble()
+
+
+def assemble_scalar(form: Any, comm: Any) -> float:
+    """Value of a compiled functional, summed over the ranks."""
+    return float(comm.allreduce(fem.assemble_scalar(form), op=MPI.SUM))

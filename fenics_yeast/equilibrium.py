@@ -1,0 +1,146 @@
+"""Equilibrium of a shell by PETSc's SNES, at given growth or with growth implicit in its stage."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import _dolfinx as dx
+from .shell import Shell
+
+REASONS = {
+    -1: "the residual is not defined at the start",
+    -2: "too many evaluations of the residual",
+    -3: "the linear solver failed",
+    -4: "the residual is not a number",
+    -5: "no convergence within the most iterations allowed",
+    -6: "the line search found no smaller residual",
+    -7: "the inner solve failed",
+    -8: "a local minimum of the residual that is no equilibrium",
+    -9: "the residual grew without bound",
+    -10: "the Jacobian is not defined",
+    -11: "the trust region shrank to nothing",
+}
+
+_TOLERANCE = 1e-10  # residual, relative to the forces of the pressure
+_MOST_ITERATIONS = 40
+
+
+class EquilibriumError(RuntimeError):
+    """No equilibrium was found; the shell is as it was before the attempt.
+
+    Attributes
+    ----------
+    iterations
+        Newton iterations spent.
+    """
+
+    def __init__(self, message: str, iterations: int) -> None:
+        super().__init__(message)
+        self.iterations = iterations
+
+
+class Equilibrium:
+    """Newton's method with line search for one shell; a context manager.
+
+    Parameters
+    ----------
+    shell
+        The wall; the solver moves its trial state.
+    force
+        Size in µN of the nodal forces of the load, to which the residual is compared.
+    """
+
+    def __init__(self, shell: Shell, force: float) -> None:
+        self._shell = shell
+        self._matrix = dx.create_matrix(shell.tangent)
+        self._x = self._matrix.createVecRight()
+        self._f = self._matrix.createVecLeft()
+        self._assembled = dx.fem.Function(shell.space)
+        owned = shell.space.dofmap.index_map.size_local
+        self._held = shell.constrained[shell.constrained < owned]
+        self._owned = owned
+        self.snes = snes = dx.PETSc.SNES().create(shell.comm)
+        snes.setOptionsPrefix("equilibrium_")
+        snes.setType("newtonls")
+        snes.setFunction(self._residual, self._f)
+        snes.setJacobian(self._jacobian, self._matrix)
+        snes.setTolerances(
+            rtol=0.0, atol=_TOLERANCE * force, stol=0.0, max_it=_MOST_ITERATIONS
+        )
+        ksp = snes.getKSP()
+        ksp.setType("preonly")
+        ksp.getPC().setType("lu")
+        serial = shell.comm.size == 1
+        ksp.getPC().setFactorSolverType("petsc" if serial else "mumps")
+        if serial:
+            ksp.getPC().setFactorOrdering("rcm")  # a banded matrix
+        snes.setFromOptions()
+
+    def __enter__(self) -> Equilibrium:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.destroy()
+
+    def destroy(self) -> None:
+        """Free the PETSc objects."""
+        for item in (self.snes, self._matrix, self._x, self._f):
+            item.destroy()
+
+    def solve(self) -> int:
+        """Move the trial state into equilibrium under the shell's pressure, growth and stage.
+
+        Returns
+        -------
+        int
+            Newton iterations.
+
+        Raises
+        ------
+        EquilibriumError
+            With SNES' reason in words; displacement and growth are then as before.
+        """
+        shell, snes = self._shell, self.snes
+        w = shell.w.x.array.copy()
+        eps_g = None if shell.growth is None else shell.growth.get()
+        self._x.array[:] = w[: self._owned]
+        snes.solve(None, self._x)
+        reason, iterations = snes.getConvergedReason(), snes.getIterationNumber()
+        if reason > 0:
+            self._load(self._x)
+            return iterations
+        shell.w.x.array[:] = w
+        if shell.growth is not None and eps_g is not None:
+            shell.growth.set(eps_g)
+        words = REASONS.get(reason, f"SNES stopped for its reason {reason}")
+        raise EquilibriumError(words, iterations)
+
+    def _load(self, x: Any) -> bool:
+        """Make SNES' iterate the trial state; False if the growth update failed there."""
+        w = self._shell.w
+        w.x.array[: self._owned] = x.array_r
+        w.x.scatter_forward()
+        growth = self._shell.growth
+        return growth is None or growth.stage.value == 0 or growth.update()
+
+    def _residual(self, snes: Any, x: Any, f: Any) -> None:
+        defined = self._load(x)
+        b = self._assembled
+        b.x.array[:] = 0
+        dx.fem.assemble_vector(b.x.array, self._shell.residual)
+        dx.accumulate(b)
+        f.array[:] = b.x.array[: self._owned]
+        f.array[self._held] = 0
+        if not defined:
+            f.array[:] = np.nan
+
+    def _jacobian(self, snes: Any, x: Any, J: Any, P: Any) -> None:
+        shell = self._shell
+        if shell.growth is None or shell.growth.stage.value == 0:
+            form = shell.tangent
+        else:
+            shell.growth.differentiate()
+            form = shell.consistent_tangent
+        dx.assemble_matrix(P, form, shell.conditions)

@@ -1,0 +1,164 @@
+"""Growth in time: one step of an integrator on a trial copy of the state, accepted or dropped."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .equilibrium import Equilibrium, EquilibriumError
+from .integrators import Tableau
+from .shell import Shell
+
+Array = NDArray[np.float64]
+
+_MEMORY = 3  # solved states through which the start of the next solution is extrapolated
+
+
+@dataclass(frozen=True)
+class State:
+    """An accepted state: all that the next step starts from.
+
+    Attributes
+    ----------
+    time
+        Time in min.
+    w
+        Local coefficients of displacement, rotation and shear force.
+    eps_g
+        Growth strains of the local growing cells; None for an elastic wall.
+    """
+
+    time: float
+    w: Array
+    eps_g: Array | None
+
+
+class Evolution:
+    """A shell followed in time.
+
+    Parameters
+    ----------
+    shell, equilibrium
+        The wall, unloaded and at time 0, and its solver.
+    tableau
+        Runge-Kutta method for the growth strains.
+    pressure
+        Turgor in MPa as a function of time in min.
+
+    Attributes
+    ----------
+    state
+        The accepted state. Whatever fails, the shell is brought back to it.
+    """
+
+    def __init__(
+        self,
+        shell: Shell,
+        equilibrium: Equilibrium,
+        tableau: Tableau,
+        pressure: Callable[[float], float],
+    ) -> None:
+        self.shell, self._equilibrium = shell, equilibrium
+        self._tableau, self.pressure = tableau, pressure
+        self._recent: deque[tuple[float, Array]] = deque(maxlen=_MEMORY)
+        self.state = self._capture(0.0)
+
+    def load(self) -> int:
+        """Equilibrium under the pressure at time 0; returns the Newton iterations.
+
+        Raises
+        ------
+        EquilibriumError
+            If there is none; the wall is then unloaded again.
+        """
+        self.shell.pressure.value = self.pressure(0.0)
+        iterations = self._equilibrium.solve()
+        self.state = self._capture(0.0)
+        self._recent.append((0.0, self.state.w))
+        return iterations
+
+    def step(self, end: float) -> int:
+        """Go from the accepted state to a later time in one step; returns Newton iterations.
+
+        Raises
+        ------
+        EquilibriumError
+            If a stage has no solution; shell and accepted state are then as before.
+        """
+        recent = list(self._recent)
+        try:
+            iterations = self._stages(end)
+        except BaseException:
+            self._restore()
+            self._recent.clear()
+            self._recent.extend(recent)
+            raise
+        self.state = self._capture(end)
+        return iterations
+
+    def forget(self) -> None:
+        """Do not extrapolate over what came before: the load has a kink here."""
+        self._recent.clear()
+        self._recent.append((self.state.time, self.state.w))
+
+    def _stages(self, end: float) -> int:
+        growth, start = self.shell.growth, self.state.time
+        if growth is None or self.state.eps_g is None:
+            return self._solve(end)
+        dt, A, c = end - start, self._tableau.A, self._tableau.c
+        rates: list[Array] = []
+        iterations = 0
+        for i in range(len(c)):
+            base = self.state.eps_g + dt * sum((a * k for a, k in zip(A[i], rates, strict=False)))
+            if i > 0 or A[i, i] > 0:
+                growth.stage.value = A[i, i] * dt
+                growth.set_base(base)
+                growth.set(base)
+                iterations += self._solve(end if i == len(c) - 1 else start + c[i] * dt)
+            if i < len(c) - 1:
+                implicit = A[i, i] > 0
+                rates.append((growth.get() - base) / (A[i, i] * dt) if implicit else growth.rate())
+        growth.stage.value = 0.0
+        return iterations
+
+    def _solve(self, time: float) -> int:
+        """Equilibrium at a time, from an extrapolated start and, if that fails, from a plain one."""
+        self.shell.pressure.value = self.pressure(time)
+        self.shell.w.x.array[:] = self._extrapolated(time)
+        spent = 0
+        try:
+            iterations = self._equilibrium.solve()
+        except EquilibriumError as error:
+            spent = error.iterations
+            self.shell.w.x.array[:] = self.state.w
+            try:
+                iterations = self._equilibrium.solve()
+            except EquilibriumError as again:
+                raise EquilibriumError(str(again), spent + again.iterations) from error
+        self._recent.append((time, self.shell.w.x.array.copy()))
+        return spent + iterations
+
+    def _extrapolated(self, time: float) -> Array:
+        """Value at a time of the polynomial through the last solutions."""
+        times = [t for t, _ in self._recent]
+        start = np.zeros_like(self.state.w)
+        for i, (t, w) in enumerate(self._recent):
+            others = [s for j, s in enumerate(times) if j != i]
+            start += w * np.prod([(time - s) / (t - s) for s in others])
+        return start
+
+    def _capture(self, time: float) -> State:
+        growth = self.shell.growth
+        eps_g = None if growth is None else growth.get()
+        return State(time, self.shell.w.x.array.copy(), eps_g)
+
+    def _restore(self) -> None:
+        self.shell.w.x.array[:] = self.state.w
+        self.shell.pressure.value = self.pressure(self.state.time)
+        if self.shell.growth is not None and self.state.eps_g is not None:
+            self.shell.growth.stage.value = 0.0
+            self.shell.growth.set(self.state.eps_g)

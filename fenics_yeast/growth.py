@@ -1,0 +1,68 @@
+"""Growth laws, equations (12) and (13): the rate of the growth strain at a point of the wall.
+
+A growth law is a function of a `WallPoint` and returns the rates of `(ε1^g, ε2^g)` in 1/min,
+a UFL vector of two components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import ufl
+
+# Keeps the derivative of ‖τ‖ finite at τ = 0; far below any stress that matters, in MPa².
+_TINY = 1e-24
+
+
+class WallPoint(NamedTuple):
+    """What a growth law may read at a point of the wall; UFL vectors of two components.
+
+    Attributes
+    ----------
+    tau
+        Principal Kirchhoff stresses `τ1, τ2` in MPa.
+    eps
+        Total logarithmic strains.
+    eps_g
+        Growth part of the logarithmic strains.
+    """
+
+    tau: Any
+    eps: Any
+    eps_g: Any
+
+    @property
+    def J(self) -> Any:
+        """Jacobian `λ1 λ2` of the deformation; `λ3 = 1`."""
+        return ufl.exp(self.eps[0] + self.eps[1])
+
+
+GrowthLaw = Callable[[WallPoint], Any]
+
+
+def norm(tau: Any) -> Any:
+    """`‖τ‖ = sqrt(τ1² + τ2²)`."""
+    return ufl.sqrt(tau[0] ** 2 + tau[1] ** 2 + _TINY)
+
+
+def stress_driven(point: WallPoint, sigma_trs: Any, t_grw: Any) -> Any:
+    """Growth in the direction of the stress, by its excess over a threshold: equation (13).
+
+    Parameters
+    ----------
+    point
+        State of the wall at the point.
+    sigma_trs
+        Threshold of the true stress in MPa.
+    t_grw
+        Characteristic time in min.
+    """
+    size = norm(point.tau)
+    excess = size / (point.J * sigma_trs) - 1
+    return ufl.conditional(ufl.gt(excess, 0), excess, 0) / t_grw * point.tau / size
+
+
+def dissipation(point: WallPoint, rate: Any) -> Any:
+    """Reduced dissipation per unit reference volume: equation (12), in MPa/min."""
+    return ufl.dot(point.tau, rate)
