@@ -1,0 +1,102 @@
+# Every target does its own set-up; run again, the set-up is one look at the package database.
+# Targets and prerequisites are relative names, so that the folder may have spaces in its path.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+# Debian's dolfinx belongs to Debian's Python, whichever other python3 comes first on PATH.
+SYSTEM_PYTHON := /usr/bin/python3
+# python3-dolfinx brings the C compiler, mpirun, NumPy and SciPy; the other libraries come from pip.
+PACKAGES := python3-dolfinx python3-venv
+PYTHON := .venv/bin/python
+# More arguments for pytest: make test ARGS="-k sphere"
+ARGS ?=
+
+export PYTHONNOUSERSITE := 1
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export OMP_NUM_THREADS := 1
+# mpirun as root and with more ranks than cores (the PRTE names are those of Open MPI 5).
+export OMPI_ALLOW_RUN_AS_ROOT := 1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
+export OMPI_MCA_rmaps_base_oversubscribe := 1
+export OMPI_MCA_mpi_yield_when_idle := 1
+export PRTE_MCA_rmaps_default_mapping_policy := :oversubscribe
+
+# A .venv works only in the folder and with the Python that it was made for: the stamp holds both.
+ifneq "$(strip $(file <.venv/.installed))" "$(CURDIR) $(realpath $(SYSTEM_PYTHON))"
+.venv/.installed: FORCE
+endif
+
+.PHONY: help
+help:  ## print this list
+	@echo "make TARGET, where TARGET is one of"
+	@sed -nE 's/^([a-z]+):.*## (.*)/  \1\t\2/p' Makefile | expand -t 12
+
+.PHONY: demo
+demo: setup  ## the budding cell: volumes, and the picture of its shapes
+	@$(PYTHON) demos/fig4_bud.py
+
+.PHONY: test
+test: setup  ## all tests; ARGS="..." goes to pytest
+	@$(PYTHON) -m pytest $(ARGS)
+
+.PHONY: lint
+lint: .venv/.installed-dev  ## style, format and types
+	@$(PYTHON) -m ruff check
+	@$(PYTHON) -m ruff format --check
+	@$(PYTHON) -m mypy
+
+.PHONY: bench
+bench: setup  ## run times
+	@for script in demos/benchmarks/*.py; do $(PYTHON) "$$script"; done
+
+.PHONY: clean
+clean:  ## remove results, caches and builds (the set-up in .venv stays)
+	@rm -rf out build dist htmlcov .coverage .coverage.* .mypy_cache .pytest_cache .ruff_cache
+	@find . -path ./.venv -prune -o -type d \( -name __pycache__ -o -name '*.egg-info' \) \
+	    -prune -exec rm -rf {} +
+
+.PHONY: setup
+setup: .venv/.installed  ## Debian packages and .venv, when they are missing or out of date
+
+.venv/.installed: pyproject.toml | debian-packages
+	@echo "Setting up .venv (under a minute)"
+	@$(SYSTEM_PYTHON) -c 'import dolfinx' || \
+	    { echo "error: dolfinx cannot be imported; run: apt-get install --reinstall $(PACKAGES)" >&2; exit 1; }
+	@$(SYSTEM_PYTHON) -m venv --system-site-packages .venv
+	@# petsc4py and dolfinx are built for Debian's NumPy: pip must not bring another one.
+	@$(SYSTEM_PYTHON) -c 'import numpy; print(f"numpy=={numpy.__version__}")' > .venv/constraints.txt
+	@$(call pip-install,.[test])
+	@echo "$$(pwd -P) $$(readlink -f $(SYSTEM_PYTHON))" > $@
+
+.venv/.installed-dev: .venv/.installed
+	@echo "Adding the tools for development to .venv"
+	@$(call pip-install,.[test$(comma)dev])
+	@touch $@
+
+comma := ,
+define pip-install
+$(PYTHON) -m pip install --quiet --constraint .venv/constraints.txt --editable '$(1)' || \
+    { echo "error: pip could not install the libraries; with a network that reaches PyPI, run make again" >&2; exit 1; }
+endef
+
+.PHONY: debian-packages
+debian-packages:
+	@installed=$$(dpkg-query --show --showformat '$${db:Status-Status}\n' $(PACKAGES) 2>/dev/null \
+	    | grep -cx installed) || true; \
+	if [ "$${installed:-0}" -eq $(words $(PACKAGES)) ]; then exit 0; fi; \
+	fail() { echo "error: $$1; as root, run: apt-get update && apt-get install $(PACKAGES)" >&2; exit 1; }; \
+	command -v apt-get >/dev/null || \
+	    { echo "error: no apt-get here: fenics-yeast needs Debian 12 or 13 with $(PACKAGES)" >&2; exit 1; }; \
+	if [ "$$(id -u)" -eq 0 ]; then root=; else root=sudo; \
+	    command -v sudo >/dev/null || fail "Debian packages are missing, and there is no sudo"; fi; \
+	echo "Installing the Debian packages $(PACKAGES) (300 MB or more, a few minutes)"; \
+	log=$$(mktemp); apt="$$root env DEBIAN_FRONTEND=noninteractive apt-get --quiet --option DPkg::Lock::Timeout=300"; \
+	{ $$apt update || true; $$apt install --yes --no-install-recommends $(PACKAGES); } > "$$log" 2>&1 || \
+	    { tail -n 15 "$$log" >&2; fail "the Debian packages could not be installed (all of apt's words: $$log)"; }; \
+	rm -f "$$log"
+
+.PHONY: FORCE
+FORCE:
