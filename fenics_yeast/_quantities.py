@@ -1,0 +1,113 @@
+"""Quantities of a scene: numbers held in µm, MPa, min and degrees, read from strings with units."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cache
+from numbers import Real
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+# The units of this field alone: pint's own list takes 0.3 s to load, and would let slips such as
+# "5 in" pass. Read with decimals, "100 nm" is 0.1 to the last digit.
+_UNITS = """
+nano- = 1e-9 = n-
+micro- = 1e-6 = µ- = μ- = u-
+milli- = 1e-3 = m-
+centi- = 1e-2 = c-
+hecto- = 1e2 = h-
+kilo- = 1e3 = k-
+mega- = 1e6 = M-
+giga- = 1e9 = G-
+meter = [length] = m = metre
+micron = 1e-6 * meter
+second = [time] = s = sec
+minute = 60 * second = min
+hour = 3600 * second = h = hr
+day = 86400 * second = d
+gram = [mass] = g
+newton = 1000 * gram * meter / second ** 2 = N
+pascal = newton / meter ** 2 = Pa
+bar = 1e5 * pascal
+atmosphere = 101325 * pascal = atm
+radian = [angle] = rad
+degree = 0.01745329251994329576923690768 * radian = deg
+"""
+_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?)\s*(.*?)\s*")
+_UNIT = re.compile(r"[^\W\d_]+(\s*[*/]\s*[^\W\d_]+((\^|\*\*)[23])?){0,3}")
+
+
+@cache
+def _registry() -> UnitRegistry[Decimal]:
+    import pint  # late: 0.15 s, and a scene of bare numbers has no need of it
+
+    registry: UnitRegistry[Decimal] = pint.UnitRegistry(None, non_int_type=Decimal)
+    registry.load_definitions(_UNITS.strip().splitlines())
+    return registry
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The unit in which a kind of quantity is held; reads a number or a string in another one."""
+
+    kind: str
+    symbol: str
+    example: str
+
+    def read(self, value: object) -> object:
+        if isinstance(value, str):
+            return self._convert(value)
+        if isinstance(value, bool) or not isinstance(value, Real):
+            return value  # of a wrong type, which pydantic refuses
+        try:
+            return float(value)
+        except OverflowError:
+            return float("inf")
+
+    def _convert(self, text: str) -> float:
+        match = _NUMBER_AND_UNIT.fullmatch(text)
+        if match is None:
+            raise refusal("not a number with a unit")
+        number, name = match[1], "deg" if match[2] == "°" else match[2]
+        if not name:
+            raise refusal("no unit")
+        registry = _registry()
+        from pint import PintError
+
+        try:
+            if _UNIT.fullmatch(name) is None:
+                raise ValueError
+            unit = registry.parse_units(name)
+        except (PintError, ValueError, ArithmeticError):
+            raise refusal(f'unknown unit "{name[:20]}"') from None
+        if not unit.is_compatible_with(self.symbol):
+            raise refusal("")
+        return float(registry.Quantity(Decimal(number), unit).to(self.symbol).magnitude)
+
+
+LENGTH = Unit("a length", "µm", '"100 nm"')
+PRESSURE = Unit("a pressure or stress", "MPa", '"2 atm"')
+TIME = Unit("a time", "min", '"45 min"')
+ANGLE = Unit("an angle", "degrees", '"24 deg"')
+
+Length = Annotated[float, BeforeValidator(LENGTH.read), LENGTH]
+Pressure = Annotated[float, BeforeValidator(PRESSURE.read), PRESSURE]
+Time = Annotated[float, BeforeValidator(TIME.read), TIME]
+Angle = Annotated[float, BeforeValidator(ANGLE.read), ANGLE]
+
+
+def refusal(reason: str, *, allowed: str = "", key: str = "") -> PydanticCustomError:
+    """Give the error with which a validator refuses a value for a reason of its own.
+
+    `allowed` stands in for the field's general description of what is allowed; `key` is the
+    culprit's path below the table whose validator speaks.
+    """
+    context = {"reason": reason, "allowed": allowed, "key": key}
+    return PydanticCustomError("refused", "refused", context)

@@ -1,0 +1,142 @@
+"""What is wrong with a scene, told in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from fenics_yeast._quantities import Unit
+
+
+class SceneError(ValueError):
+    """A scene that cannot be used.
+
+    The message is one line that names the file, the key, its value and what is allowed.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in message))
+
+
+_Path = tuple[int | str, ...]
+_ABSENT = object()
+_WANTED = {int: "a whole number", float: "a number", str: "a text in quotes"}
+_REASONS = {"finite_number": "not finite"}
+
+
+def explain(model: type[BaseModel], data: object, error: ValidationError) -> str:
+    """Say what pydantic found wrong in `data`, meant to be a `model`.
+
+    The first problem is told, with its key, value and what is allowed; the others are counted.
+    """
+    problems = [
+        problem
+        for problem in error.errors(include_url=False)
+        if problem["type"] != "default_factory_not_called"  # only follows from another one
+    ]
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return f"{_explain(model, data, problems[0])}{more}"
+
+
+def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str:
+    context = problem.get("ctx", {})
+    path: _Path = problem["loc"]
+    if context.get("key"):
+        path += tuple(context["key"].split("."))
+    value = _look_up(data, path)
+    given = " is missing" if value is _ABSENT else f" = {value_text(value)}"
+    what = key_text(path) + given
+    if problem["type"] in ("extra_forbidden", "invalid_key"):
+        return f"{what}: {_nearest(model, path)}"
+    reason = context.get("reason") or _REASONS.get(problem["type"])
+    allowed = context.get("allowed") or _allowed(model, path)
+    return f"{what}: {reason}; {allowed}" if reason else f"{what}: {allowed}"
+
+
+def _look_up(data: Any, path: _Path) -> object:
+    for part in path:
+        try:
+            data = getattr(data, str(part)) if isinstance(data, BaseModel) else data[part]
+        except (AttributeError, LookupError, TypeError):
+            return _ABSENT
+    return data
+
+
+def _model_of(annotation: Any) -> type[BaseModel] | None:
+    for candidate in (annotation, *get_args(annotation)):
+        if isinstance(candidate, type) and issubclass(candidate, BaseModel):
+            return candidate
+    return None
+
+
+def _allowed(model: type[BaseModel], path: _Path) -> str:
+    """Say what is allowed at `path` below `model`, from the field found there."""
+    annotation: Any = model
+    metadata: list[Any] = []
+    for part in path:
+        if isinstance(part, int):  # an entry of a list
+            annotation, *metadata = get_args(get_args(annotation)[0])
+        elif field := (_model_of(annotation) or model).model_fields.get(part):
+            annotation, metadata = field.annotation, field.metadata
+    if _model_of(annotation):
+        return f"the table [{key_text(path)}] is wanted"
+    if get_origin(annotation) is Literal:
+        return "allowed: " + ", ".join(value_text(choice) for choice in get_args(annotation))
+    if get_origin(annotation) is tuple:
+        return "a list of times is wanted, e.g. [40, 70, 90]"
+    unit = next((mark for mark in metadata if isinstance(mark, Unit)), None)
+    kind = unit.kind if unit else _WANTED.get(annotation, "another value")
+    words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+    bounds = " and ".join(
+        f"{word} {getattr(mark, name)}"
+        for name, word in words.items()
+        for mark in metadata
+        if hasattr(mark, name)
+    )
+    example = f", e.g. {unit.example} (bare numbers are {unit.symbol})" if unit else ""
+    return " ".join(filter(None, (kind, bounds, "is wanted"))) + example
+
+
+def _nearest(model: type[BaseModel], path: _Path) -> str:
+    """Suggest a known key for the unknown one at the end of `path`."""
+    import difflib  # late: most scenes are right
+
+    *parents, key = path
+    table = model
+    for part in parents:
+        field = table.model_fields.get(str(part))
+        table = (_model_of(field.annotation) if field else None) or table
+    if near := difflib.get_close_matches(str(key), table.model_fields, n=1):
+        return f"unknown key; did you mean {key_text((*parents, near[0]))}?"
+    for name, field in model.model_fields.items():
+        other = _model_of(field.annotation)
+        if other and key in other.model_fields:
+            return f"unknown key; did you mean {name}.{key}?"
+    return f"unknown key; known here: {', '.join(table.model_fields)}"
+
+
+def key_text(path: _Path) -> str:
+    """Write a path as a dotted key, entries of lists in brackets, long parts shortened."""
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part[:40]}" for part in path)
+    return "".join(parts).removeprefix(".")
+
+
+def value_text(value: object) -> str:
+    """Write a value as it would stand in TOML, shortened."""
+    if isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, str):
+        text = f'"{value[:40]}..."' if len(value) > 40 else f'"{value}"'
+    elif isinstance(value, Mapping | BaseModel):
+        text = "{...}"
+    elif isinstance(value, list | tuple):
+        entries = ("[...]" if isinstance(v, list | tuple) else value_text(v) for v in value[:6])
+        text = f"[{', '.join(entries)}{', ...' if len(value) > 6 else ''}]"
+    elif isinstance(value, int) and abs(value) >= 10**20:
+        text = "a number of more than 20 digits"
+    else:
+        text = str(value)
+    return text
