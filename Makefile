@@ -25,7 +25,7 @@ export OMPI_MCA_mpi_yield_when_idle := 1
 export PRTE_MCA_rmaps_default_mapping_policy := :oversubscribe
 
 # A .venv works only in the folder and with the Python that it was made for: the stamp holds both.
-ifneq "$(strip $(file <.venv/.installed))" "$(CURDIR) $(realpath $(SYSTEM_PYTHON))"
+ifneq "$(file <.venv/.installed)" "$(CURDIR) $(realpath $(SYSTEM_PYTHON))"
 .venv/.installed: FORCE
 endif
 
@@ -95,7 +95,7 @@ debian-packages:
 	echo "Installing the Debian packages $(PACKAGES) (300 MB or more, a few minutes)"; \
 	log=$$(mktemp); apt="$$root env DEBIAN_FRONTEND=noninteractive apt-get --quiet --option DPkg::Lock::Timeout=300"; \
 	{ $$apt update || true; $$apt install --yes --no-install-recommends $(PACKAGES); } > "$$log" 2>&1 || \
-	    { tail -n 15 "$$log" >&2; fail "the Debian packages could not be installed (all of apt's words: $$log)"; }; \
+	    { tail -n 5 "$$log" >&2; fail "the Debian packages could not be installed (all of apt's words: $$log)"; }; \
 	rm -f "$$log"
 
 .PHONY: FORCE
