@@ -109,13 +109,42 @@ class Equilibrium:
         snes.solve(None, self._x)
         reason, iterations = snes.getConvergedReason(), snes.getIterationNumber()
         if reason > 0:
-            self._load(self._x)
+            if not np.array_equal(shell.w.x.array[: self._owned], self._x.array_r):
+                self._load(self._x)
             return iterations
         shell.w.x.array[:] = w
         if shell.growth is not None and eps_g is not None:
             shell.growth.set(eps_g)
         words = REASONS.get(reason, f"SNES stopped for its reason {reason}")
         raise EquilibriumError(words, iterations)
+
+    def compliance(self) -> float:
+        """Change of volume by pressure `dV/dp` of the trial state at given growth, µm³/MPa.
+
+        It grows without bound towards a limit point and is negative beyond it.
+        """
+        shell = self._shell
+        dx.assemble_matrix(self._matrix, shell.tangent, shell.conditions)
+        gradient = self._assemble(shell.volume_gradient)
+        solver = self.snes.getKSP()
+        solver.setOperators(self._matrix)
+        dw = gradient.duplicate()
+        solver.solve(gradient, dw)
+        compliance = 2 * np.pi * gradient.dot(dw)
+        gradient.destroy()
+        dw.destroy()
+        return float(compliance)
+
+    def _assemble(self, form: Any) -> Any:
+        """New PETSc vector of a linear form, zero where the motion is held."""
+        b = self._assembled
+        b.x.array[:] = 0
+        dx.fem.assemble_vector(b.x.array, form)
+        dx.accumulate(b)
+        vector = self._f.duplicate()
+        vector.array[:] = b.x.array[: self._owned]
+        vector.array[self._held] = 0
+        return vector
 
     def _load(self, x: Any) -> bool:
         """Make SNES' iterate the trial state; False if the growth update failed there."""

@@ -1,6 +1,6 @@
 """Growth laws, equations (12) and (13): the rate of the growth strain at a point of the wall.
 
-A growth law is a function of a `WallPoint` and returns the rates of `(ε1^g, ε2^g)` in 1/min,
+A growth rate is a function of a `WallPoint` and returns the rates of `(ε1^g, ε2^g)` in 1/min,
 a UFL vector of two components.
 """
 
@@ -38,7 +38,7 @@ class WallPoint(NamedTuple):
         return ufl.exp(self.eps[0] + self.eps[1])
 
 
-GrowthLaw = Callable[[WallPoint], Any]
+GrowthRate = Callable[[WallPoint], Any]
 
 
 def norm(tau: Any) -> Any:

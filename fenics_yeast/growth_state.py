@@ -38,8 +38,8 @@ class GrowthState:
         Degree of the quadrature rule of the wall.
     eps
         Total logarithmic strains at each thickness point, UFL vectors.
-    energy, law
-        Strain energy and growth law.
+    energy, growth_rate
+        Strain energy and rate of growth.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class GrowthState:
         degree: int,
         eps: Sequence[Any],
         energy: wall.StrainEnergy,
-        law: growth.GrowthLaw,
+        growth_rate: growth.GrowthRate,
     ) -> None:
         space = dx.quadrature_space(mesh, 2 * len(eps), degree)
         self.eps_g, self.base = dx.fem.Function(space), dx.fem.Function(space)
@@ -74,7 +74,7 @@ class GrowthState:
             base = ufl.as_vector([self.base[2 * j], self.base[2 * j + 1]])
             tau = wall.kirchhoff_stress(energy, kinematics.elastic(eps_j, eps_g))
             point = growth.WallPoint(tau, eps_j, eps_g)
-            rate = law(point)
+            rate = growth_rate(point)
             residual = eps_g - base - self.stage * rate
             inverse = ufl.inv(ufl.diff(residual, eps_g))
             self.points.append(point)

@@ -39,3 +39,5 @@ class Tableau:
 
 FORWARD_EULER = Tableau("forward-euler", np.array([[0.0, 0.0], [1.0, 0.0]]), 1)
 BACKWARD_EULER = Tableau("backward-euler", np.array([[1.0]]), 1)
+
+TABLEAUX = {tableau.name: tableau for tableau in (FORWARD_EULER, BACKWARD_EULER)}

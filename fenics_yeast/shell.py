@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import ufl
 from numpy.typing import NDArray
-from ufl.algorithms import expand_derivatives
 
 from . import _dolfinx as dx
-from . import growth, kinematics, wall
+from . import growth, kinematics
 from .growth_state import GrowthState
+from .laws import Law
 from .meridian import Discretisation
 
 Array = NDArray[np.float64]
@@ -44,8 +44,8 @@ class Shell:
         `h` in µm, μ in MPa, κ; an infinite κ holds `γ = 0` itself.
     energy
         Strain energy ψ of the elastic logarithmic strains.
-    law
-        Growth law of the zone; None for an elastic wall, which then has no growth state.
+    growth_law
+        Growth rate in the zone; None for an elastic wall, which then has no growth state.
 
     Attributes
     ----------
@@ -55,6 +55,11 @@ class Shell:
         Turgor in MPa, a constant of the forms.
     growth
         Growth strains of the growing cells, or None.
+    eps, xi
+        Logarithmic strains `(ε1, ε2)` at each thickness point, in UFL, and the points' distance
+        from the mid-surface in µm, outward positive.
+    quadrature_S
+        Arc length of the quadrature points of each local cell, shape ``(cells, points)``.
     conditions, constrained
         Conditions at the poles, all homogeneous, and their local degrees of freedom.
     """
@@ -69,33 +74,32 @@ class Shell:
         thickness: float,
         shear_modulus: float,
         shear_penalty: float,
-        energy: wall.StrainEnergy,
-        law: growth.GrowthLaw | None = None,
+        energy: Law,
+        growth_law: Law | None = None,
     ) -> None:
         self.discretisation = discretisation
         self.mesh = mesh = dx.interval_mesh(comm, discretisation.nodes)
         self.comm = mesh.comm
-        self._degree = 2 * order - 1  # as many Gauss points as the order: no locking
+        self.degree = 2 * order - 1  # as many Gauss points as the order: no locking
         self.space = dx.shell_space(mesh, order)
         self.w = dx.fem.Function(self.space)
         self.pressure = self._constant(0.0)
         self._h = self._constant(thickness)
         self._compliance = self._constant(1 / (shear_penalty * shear_modulus * thickness))
-        self._energy = energy
+        self.energy = energy.on(mesh)
         self._zeta, self._weights = np.polynomial.legendre.leggauss(thickness_points)
+        self.xi: Array = self._zeta * thickness / 2
         self._place_points()
         self._constrain_poles()
 
-        self._eps = self._strains()
+        self._describe()
         self.growth = None
-        if law is not None:
-            args = (mesh, self.growing_cells, self._degree, self._eps, energy, law)
-            self.growth = GrowthState(*args)
-        potential = self._potential()
-        self._virtual_work = ufl.derivative(potential, self.w)
-        self._tangent = ufl.derivative(self._virtual_work, self.w)
-        self.residual = dx.compile_form(self._virtual_work)
-        self._volume = dx.compile_form(2 * np.pi * self._enclosed())
+        if growth_law is not None:
+            rate = growth_law.on(mesh)
+            self.growth = GrowthState(
+                mesh, self.growing_cells, self.degree, self.eps, self.energy, rate
+            )
+        self._derive()
 
     # --- reference wall and boundary conditions -------------------------------------------
 
@@ -104,10 +108,10 @@ class Shell:
 
     def _place_points(self) -> None:
         """Reference meridian at the quadrature points; which cells grow."""
-        places = dx.quadrature_points(self._degree).ravel()
+        places = dx.quadrature_points(self.degree).ravel()
         vertices = self.mesh.geometry.x[dx.cell_vertices(self.mesh), 0]
         S = vertices[:, :1] + (vertices[:, 1:] - vertices[:, :1]) * places
-        space = dx.quadrature_space(self.mesh, 3, self._degree)
+        space = dx.quadrature_space(self.mesh, 3, self.degree)
         curve = self.discretisation.curve
         self._reference = dx.fem.Function(space)
         values = np.stack([curve.radius(S), curve.angle(S), curve.curvature(S)], axis=-1)
@@ -119,7 +123,7 @@ class Shell:
             grows = (zone.start < centres) & (centres < zone.end)
         self.growing_cells = np.flatnonzero(grows).astype(np.int32)
         tags = dx.cell_tags(self.mesh, np.where(grows, _GROWING, _ELASTIC).astype(np.int32))
-        metadata = {"quadrature_degree": self._degree, "quadrature_rule": "default"}
+        metadata = {"quadrature_degree": self.degree, "quadrature_rule": "default"}
         self._dS = ufl.Measure(
             "dx", domain=self.mesh, subdomain_data=tags, metadata=metadata
         )
@@ -138,8 +142,8 @@ class Shell:
 
     # --- the wall in UFL ------------------------------------------------------------------
 
-    def _strains(self) -> list[Any]:
-        """Logarithmic strains at each thickness point, equations (1) to (6)."""
+    def _describe(self) -> None:
+        """Strains at each thickness point from the trial state, equations (1) to (6)."""
         self._R, Phi, Phi_S = (self._reference[i] for i in range(3))
         motion, self._Q = ufl.split(self.w)
         u_r, u_z, beta = (motion[i] for i in range(3))
@@ -151,28 +155,65 @@ class Shell:
             psi=Phi + beta,
             psi_S=Phi_S + beta.dx(0),
         )
-        self._parts = kinematics.strains(reference, self._current)
-        eps = []
+        parts = kinematics.strains(reference, self._current)
+        self._gamma = parts.gamma
+        self._strain = ufl.as_vector(parts[:4])
+        # The energy depends on the state through these four numbers alone.
+        self._E = ufl.variable(self._strain)
+        parts = kinematics.Strains(*(self._E[i] for i in range(4)), parts.gamma)
+        self.eps = []
         for zeta in self._zeta:
-            E = kinematics.green_lagrange(self._parts, float(zeta) * self._h / 2)
-            eps.append(ufl.as_vector([kinematics.logarithmic(E_i) for E_i in E]))
-        return eps
+            E = kinematics.green_lagrange(parts, float(zeta) * self._h / 2)
+            self.eps.append(ufl.as_vector([kinematics.logarithmic(E_i) for E_i in E]))
 
+    def _wall_energy(self, eps_g: list[Any] | None) -> Any:
+        """Energy of the wall per reference area: ψ integrated through the thickness."""
+        total = 0
+        for j, (weight, eps) in enumerate(zip(self._weights, self.eps, strict=True)):
+            eps_e = eps if eps_g is None else kinematics.elastic(eps, eps_g[j])
+            total += float(weight) * self._h / 2 * self.energy(eps_e)
+        return total
+
+    def _derive(self) -> None:
+        """Residual and tangents of the potential.
+
+        The energy enters through its derivatives by the membrane and bending strains, which are
+        the stress resultants `(N1, N2, M1, M2)` and their tangent: the same forms as those of
+        `ufl.derivative` on the whole, in a third of the operations.
+        """
+        v, dw = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        d_E = ufl.derivative(self._strain, self.w, v)
+        D_E = ufl.derivative(self._strain, self.w, dw)
+        dD_E = ufl.derivative(d_E, self.w, dw)
+        lagrangian = (self._Q * self._gamma - self._Q**2 * self._compliance / 2) * self._R
+        lagrangian -= self.pressure * self._enclosed
+        residual, tangent, followed = 0, 0, 0
+        regions: list[tuple[int, list[Any] | None]] = [(_ELASTIC, None)]
+        if self.growth is not None:
+            eps_g = [ufl.variable(self.growth.strain(j)) for j in range(len(self.eps))]
+            regions.append((_GROWING, eps_g))
+        for tag, eps_g in regions:
+            dS = self._dS(tag)
+            resultants = ufl.diff(self._wall_energy(eps_g), self._E)
+            stiffness = ufl.diff(resultants, self._E)
+            rest = ufl.derivative(lagrangian * dS, self.w, v)
+            residual += ufl.dot(resultants, d_E) * self._R * dS + rest
+            tangent += ufl.dot(d_E, stiffness * D_E) * self._R * dS
+            tangent += ufl.dot(resultants, dD_E) * self._R * dS
+            tangent += ufl.derivative(rest, self.w, dw)
+            if self.growth is not None and eps_g is not None:
+                for j, eps in enumerate(self.eps):
+                    follow = self.growth.followed(j, ufl.diff(eps, self._E) * D_E)
+                    change = ufl.diff(resultants, eps_g[j]) * follow
+                    followed += ufl.dot(d_E, change) * self._R * dS
+        self.residual = dx.compile_form(residual)
+        self._tangent, self._followed = tangent, followed
+        self._volume = dx.compile_form(2 * np.pi * self._enclosed * self._dS)
+
+    @property
     def _enclosed(self) -> Any:
-        """Enclosed volume per 2π."""
-        return self._current.r**2 * self._current.z_S / 2 * self._dS
-
-    def _potential(self) -> Any:
-        """Total potential Π per 2π at given growth."""
-        shear = self._Q * self._parts.gamma - self._Q**2 * self._compliance / 2
-        potential = shear * self._R * self._dS - self.pressure * self._enclosed()
-        for j, (weight, eps) in enumerate(zip(self._weights, self._eps, strict=True)):
-            dV = float(weight) * self._h / 2 * self._R
-            potential += self._energy(eps) * dV * self._dS(_ELASTIC)
-            if self.growth is not None:
-                eps_e = kinematics.elastic(eps, self.growth.strain(j))
-                potential += self._energy(eps_e) * dV * self._dS(_GROWING)
-        return potential
+        """Enclosed volume per 2π and reference arc length."""
+        return self._current.r**2 * self._current.z_S / 2
 
     @cached_property
     def tangent(self) -> Any:
@@ -182,19 +223,12 @@ class Shell:
     @cached_property
     def consistent_tangent(self) -> Any:
         """Compiled derivative of the residual when growth follows the strain in its stage."""
-        dw = ufl.TrialFunction(self.space)
-        along = []
-        for j, eps in enumerate(self._eps):
-            d_eps = expand_derivatives(ufl.derivative(eps, self.w, dw))
-            followed = self._growing.followed(j, d_eps)
-            along += [followed[0], followed[1]]
-        follow = ufl.derivative(self._virtual_work, self._growing.eps_g, ufl.as_vector(along))
-        return dx.compile_form(self._tangent + follow)
+        return dx.compile_form(self._tangent + self._followed)
 
     @cached_property
     def volume_gradient(self) -> Any:
         """Compiled derivative of the enclosed volume per 2π: minus that of the residual by p."""
-        return dx.compile_form(ufl.derivative(self._enclosed(), self.w))
+        return dx.compile_form(ufl.derivative(self._enclosed * self._dS, self.w))
 
     @cached_property
     def _dissipation(self) -> Any:

@@ -1,0 +1,57 @@
+"""The length of time steps: milestones hit exactly, growth after success, cuts after failure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+_CUT = 0.5
+_LARGEST_GROWTH, _SMALLEST_GROWTH = 3.0, 0.2
+_SAFETY = 0.9
+_LEAST = 2.0**-20  # of the first step
+
+
+class TimeSteps:
+    """Proposes the end of the next step; is told what became of it.
+
+    Steps before a milestone are made equal, so that none of them is a sliver.
+
+    Parameters
+    ----------
+    milestones
+        Times in min that are hit exactly; the last one is the end.
+    step
+        Fixed step, or first step where errors are estimated, in min.
+    """
+
+    def __init__(self, milestones: Iterable[float], step: float) -> None:
+        self._milestones = sorted({float(t) for t in milestones if t > 0})
+        self._wanted = self._fixed = step
+        self._taken = step
+        self._least = step * _LEAST
+        self._last_error = 1.0
+
+    def propose(self, time: float) -> float | None:
+        """End of the next step from a time; None at the end of the run."""
+        tiny = 1e-12 * self._milestones[-1]
+        ahead = [t for t in self._milestones if t > time + tiny]
+        if not ahead:
+            return None
+        span = ahead[0] - time
+        pieces = max(1, int(np.ceil(span / self._wanted - 1e-9)))
+        self._taken = span / pieces
+        return ahead[0] if pieces == 1 else time + self._taken
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether the step has become smaller than any that makes sense."""
+        return self._wanted < self._least
+
+    def succeeded(self) -> None:
+        """Go back towards the fixed step after it had to be cut."""
+        self._wanted = min(self._fixed, 2 * self._wanted)
+
+    def failed(self) -> None:
+        """Cut the step that found no equilibrium."""
+        self._wanted = _CUT * self._taken
