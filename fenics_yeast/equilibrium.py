@@ -5,9 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _dolfinx as dx
 from .shell import Shell
+
+Array = NDArray[np.float64]
 
 REASONS = {
     -1: "the residual is not defined at the start",
@@ -23,7 +26,6 @@ REASONS = {
     -11: "the trust region shrank to nothing",
 }
 
-_TOLERANCE = 1e-10  # residual, relative to the forces of the pressure
 _MOST_ITERATIONS = 40
 
 
@@ -48,11 +50,11 @@ class Equilibrium:
     ----------
     shell
         The wall; the solver moves its trial state.
-    force
-        Size in µN of the nodal forces of the load, to which the residual is compared.
+    tolerance
+        Norm of the residual in µN at which it counts as zero.
     """
 
-    def __init__(self, shell: Shell, force: float) -> None:
+    def __init__(self, shell: Shell, tolerance: float) -> None:
         self._shell = shell
         self._matrix = dx.create_matrix(shell.tangent)
         self._x = self._matrix.createVecRight()
@@ -66,9 +68,7 @@ class Equilibrium:
         snes.setType("newtonls")
         snes.setFunction(self._residual, self._f)
         snes.setJacobian(self._jacobian, self._matrix)
-        snes.setTolerances(
-            rtol=0.0, atol=_TOLERANCE * force, stol=0.0, max_it=_MOST_ITERATIONS
-        )
+        snes.setTolerances(rtol=0.0, atol=tolerance, stol=0.0, max_it=_MOST_ITERATIONS)
         ksp = snes.getKSP()
         ksp.setType("preonly")
         ksp.getPC().setType("lu")
@@ -125,26 +125,47 @@ class Equilibrium:
         """
         shell = self._shell
         dx.assemble_matrix(self._matrix, shell.tangent, shell.conditions)
-        gradient = self._assemble(shell.volume_gradient)
-        solver = self.snes.getKSP()
-        solver.setOperators(self._matrix)
-        dw = gradient.duplicate()
-        solver.solve(gradient, dw)
-        compliance = 2 * np.pi * gradient.dot(dw)
-        gradient.destroy()
-        dw.destroy()
-        return float(compliance)
+        self.snes.getKSP().setOperators(self._matrix)
+        self._assemble(shell.volume_gradient, self._f)
+        return 2 * np.pi * self._volume_response()
 
-    def _assemble(self, form: Any) -> Any:
-        """New PETSc vector of a linear form, zero where the motion is held."""
+    def volume_change(self, eps_g: Array) -> float:
+        """Change of volume in µm³ that a change of the growth strains would bring.
+
+        To first order, with the tangent of the last iteration: after an implicit stage the
+        change is damped where growth is stiff, as an estimate of its error should be.
+
+        Parameters
+        ----------
+        eps_g
+            Change of the growth strains, in the layout of `GrowthState.get`.
+        """
+        growth = self._shell.growth
+        if growth is None:
+            return 0.0
+        accepted = growth.get()
+        growth.set(accepted + eps_g)
+        self._assemble(self._shell.residual, self._f)
+        growth.set(accepted)
+        return -2 * np.pi * self._volume_response()
+
+    def _volume_response(self) -> float:
+        """Volume per 2π that the solution for the force in `_f` displaces."""
+        force = self._f.copy()
+        self.snes.getKSP().solve(force, self._x)
+        self._assemble(self._shell.volume_gradient, force)
+        response = force.dot(self._x)
+        force.destroy()
+        return float(response)
+
+    def _assemble(self, form: Any, vector: Any) -> None:
+        """Assemble a linear form; it is zero where the motion is held."""
         b = self._assembled
         b.x.array[:] = 0
         dx.fem.assemble_vector(b.x.array, form)
         dx.accumulate(b)
-        vector = self._f.duplicate()
         vector.array[:] = b.x.array[: self._owned]
         vector.array[self._held] = 0
-        return vector
 
     def _load(self, x: Any) -> bool:
         """Make SNES' iterate the trial state; False if the growth update failed there."""
@@ -156,12 +177,7 @@ class Equilibrium:
 
     def _residual(self, snes: Any, x: Any, f: Any) -> None:
         defined = self._load(x)
-        b = self._assembled
-        b.x.array[:] = 0
-        dx.fem.assemble_vector(b.x.array, self._shell.residual)
-        dx.accumulate(b)
-        f.array[:] = b.x.array[: self._owned]
-        f.array[self._held] = 0
+        self._assemble(self._shell.residual, f)
         if not defined:
             f.array[:] = np.nan
 

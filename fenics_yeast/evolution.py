@@ -37,6 +37,22 @@ class State:
     eps_g: Array | None
 
 
+@dataclass(frozen=True)
+class Step:
+    """What a successful step took and how good it is.
+
+    Attributes
+    ----------
+    iterations
+        Newton iterations.
+    error
+        Estimated error of the volume in µm³, with its sign; 0 where the method has no estimate.
+    """
+
+    iterations: int
+    error: float
+
+
 class Evolution:
     """A shell followed in time.
 
@@ -65,6 +81,7 @@ class Evolution:
         self.shell, self._equilibrium = shell, equilibrium
         self._tableau, self.pressure = tableau, pressure
         self._recent: deque[tuple[float, Array]] = deque(maxlen=_MEMORY)
+        self._before: list[tuple[float, Array]] = []
         self.state = self._capture(0.0)
 
     def load(self) -> int:
@@ -81,34 +98,52 @@ class Evolution:
         self._recent.append((0.0, self.state.w))
         return iterations
 
-    def step(self, end: float) -> int:
-        """Go from the accepted state to a later time in one step; returns Newton iterations.
+    def step(self, end: float) -> Step:
+        """Go from the accepted state to a later time in one step, and accept it.
 
         Raises
         ------
         EquilibriumError
             If a stage has no solution; shell and accepted state are then as before.
         """
-        recent = list(self._recent)
+        trial = self.attempt(end)
+        self.accept(end)
+        return trial
+
+    def attempt(self, end: float) -> Step:
+        """Go to a later time on a trial copy of the state; then `accept` or `reject` it.
+
+        Raises
+        ------
+        EquilibriumError
+            If a stage has no solution; the trial is then rejected already.
+        """
+        self._before = list(self._recent)
         try:
-            iterations = self._stages(end)
+            return self._stages(end)
         except BaseException:
-            self._restore()
-            self._recent.clear()
-            self._recent.extend(recent)
+            self.reject()
             raise
-        self.state = self._capture(end)
-        return iterations
+
+    def accept(self, time: float) -> None:
+        """Make the trial the accepted state."""
+        self.state = self._capture(time)
+
+    def reject(self) -> None:
+        """Bring the shell back to the accepted state."""
+        self._restore()
+        self._recent.clear()
+        self._recent.extend(self._before)
 
     def forget(self) -> None:
         """Do not extrapolate over what came before: the load has a kink here."""
         self._recent.clear()
         self._recent.append((self.state.time, self.state.w))
 
-    def _stages(self, end: float) -> int:
+    def _stages(self, end: float) -> Step:
         growth, start = self.shell.growth, self.state.time
         if growth is None or self.state.eps_g is None:
-            return self._solve(end)
+            return Step(self._solve(end), 0.0)
         dt, A, c = end - start, self._tableau.A, self._tableau.c
         rates: list[Array] = []
         iterations = 0
@@ -119,11 +154,17 @@ class Evolution:
                 growth.set_base(base)
                 growth.set(base)
                 iterations += self._solve(end if i == len(c) - 1 else start + c[i] * dt)
-            if i < len(c) - 1:
-                implicit = A[i, i] > 0
-                rates.append((growth.get() - base) / (A[i, i] * dt) if implicit else growth.rate())
+            if A[i, i] > 0:
+                rates.append((growth.get() - base) / (A[i, i] * dt))
+            elif i < len(c) - 1:
+                rates.append(growth.rate())
+        error = 0.0
+        if self._tableau.embedded is not None:
+            weights = A[-1] - self._tableau.embedded
+            difference = dt * sum(b * k for b, k in zip(weights, rates, strict=True))
+            error = self._equilibrium.volume_change(difference)
         growth.stage.value = 0.0
-        return iterations
+        return Step(iterations, error)
 
     def _solve(self, time: float) -> int:
         """Equilibrium at a time, from an extrapolated start and, if that fails, from a plain one."""

@@ -25,11 +25,15 @@ class Tableau:
         Coefficients of the stages, lower triangular, shape ``(s, s)``.
     order
         Order of the solution.
+    embedded
+        Weights of a second solution, of the order below or above, whose distance from the first
+        estimates the error of a step, shape ``(s,)``; None where there is none.
     """
 
     name: str
     A: Array
     order: int
+    embedded: Array | None = None
 
     @property
     def c(self) -> Array:
@@ -37,7 +41,29 @@ class Tableau:
         return self.A.sum(axis=1)
 
 
-FORWARD_EULER = Tableau("forward-euler", np.array([[0.0, 0.0], [1.0, 0.0]]), 1)
-BACKWARD_EULER = Tableau("backward-euler", np.array([[1.0]]), 1)
+def _forward_euler() -> Tableau:
+    return Tableau("forward-euler", np.array([[0.0, 0.0], [1.0, 0.0]]), 1)
 
-TABLEAUX = {tableau.name: tableau for tableau in (FORWARD_EULER, BACKWARD_EULER)}
+
+def _backward_euler() -> Tableau:
+    return Tableau("backward-euler", np.array([[1.0]]), 1)
+
+
+def _sdirk2() -> Tableau:
+    """Two stages, L-stable: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021."""
+    g = 1 - np.sqrt(0.5)
+    return Tableau("sdirk2", np.array([[g, 0.0], [1 - g, g]]), 2, np.array([1.0, 0.0]))
+
+
+def _sdirk3() -> Tableau:
+    """Three stages, L-stable: Alexander (1977); embedded the second order of two stages."""
+    g = float(np.roots([1, -3, 1.5, -1 / 6])[1].real)  # the root between 1/6 and 1/2
+    b1, b2 = -(6 * g**2 - 16 * g + 1) / 4, (6 * g**2 - 20 * g + 5) / 4
+    A = np.array([[g, 0.0, 0.0], [(1 - g) / 2, g, 0.0], [b1, b2, g]])
+    return Tableau("sdirk3", A, 3, np.array([g, 1 - 2 * g, 0.0]) / (1 - g))
+
+
+TABLEAUX = {
+    tableau.name: tableau
+    for tableau in (_forward_euler(), _backward_euler(), _sdirk2(), _sdirk3())
+}

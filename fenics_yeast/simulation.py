@@ -93,7 +93,7 @@ class _Run:
     def go(self) -> Result:
         """Run to the end, or to what ends the run."""
         pressure = turgor(self._scene)
-        with Equilibrium(self._shell, self._force()) as self._equilibrium:
+        with Equilibrium(self._shell, 1e-10 * self._force()) as self._equilibrium:
             self._evolution = Evolution(
                 self._shell,
                 self._equilibrium,
@@ -140,11 +140,11 @@ class _Run:
             return "finished", "equilibrium found"
         ramp = min(self._scene.turgor.ramp, run.end)
         fixed = self._scene.numerics.step or run.end / 200
-        steps = TimeSteps([ramp, *run.save, run.end], fixed)
+        steps = TimeSteps([ramp, *run.save, run.end], fixed, None)
         while (end := steps.propose(self._time)) is not None:
             start = self._time
             try:
-                iterations = evolution.step(end)
+                iterations = evolution.step(end).iterations
             except EquilibriumError as error:
                 self._rejected += 1
                 self._iterations += error.iterations
@@ -161,7 +161,7 @@ class _Run:
                         f"no step beyond {self._time:g} min, however small, converged: {error}"
                     )
                 continue
-            steps.succeeded()
+            steps.judge(0.0)
             if end == ramp:
                 evolution.forget()
             self._accept(iterations, end - start)

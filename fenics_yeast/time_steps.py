@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 _CUT = 0.5
-_LARGEST_GROWTH, _SMALLEST_GROWTH = 3.0, 0.2
+_GROWTH = 4.0  # largest growth of a step from one to the next
 _SAFETY = 0.9
 _LEAST = 2.0**-20  # of the first step
 
@@ -22,14 +22,18 @@ class TimeSteps:
     milestones
         Times in min that are hit exactly; the last one is the end.
     step
-        Fixed step, or first step where errors are estimated, in min.
+        Length of the first step, in min, to which later ones go back after a cut; where errors
+        are estimated, only that of the first one.
+    order
+        Order of the estimated error in the step; None: fixed steps.
     """
 
-    def __init__(self, milestones: Iterable[float], step: float) -> None:
+    def __init__(self, milestones: Iterable[float], step: float, order: int | None) -> None:
         self._milestones = sorted({float(t) for t in milestones if t > 0})
         self._wanted = self._fixed = step
         self._taken = step
         self._least = step * _LEAST
+        self._order = order
         self._last_error = 1.0
 
     def propose(self, time: float) -> float | None:
@@ -48,9 +52,22 @@ class TimeSteps:
         """Whether the step has become smaller than any that makes sense."""
         return self._wanted < self._least
 
-    def succeeded(self) -> None:
-        """Go back towards the fixed step after it had to be cut."""
-        self._wanted = min(self._fixed, 2 * self._wanted)
+    def judge(self, error: float) -> bool:
+        """Whether a step with this error, 1 being the largest wanted, is good enough.
+
+        The next step follows from it, by a proportional-integral controller.
+        """
+        if self._order is None:
+            self._wanted = min(self._fixed, 2 * self._wanted)
+            return True
+        error = max(error, 1e-6)
+        if error > 1:
+            self._wanted = self._taken * max(0.1, _SAFETY * error ** (-1 / self._order))
+            return False
+        factor = error ** (-0.7 / self._order) * self._last_error ** (0.4 / self._order)
+        self._wanted = max(self._taken * min(_GROWTH, _SAFETY * factor), self._least)
+        self._last_error = error
+        return True
 
     def failed(self) -> None:
         """Cut the step that found no equilibrium."""

@@ -1,0 +1,129 @@
+"""A scene run into an output folder: simulation, figures and summary, on any number of ranks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from .output import OutputError, OutputFolder
+from .record import Observer, Profile, Result, Row
+from .scene import Scene
+
+
+class DolfinxMissing(Exception):
+    """dolfinx cannot be loaded; the message is a line that says how to install it."""
+
+
+class RunLost(Exception):
+    """The folder stopped taking in the run half-way, as a full disk does; on rank 0 alone."""
+
+
+def run_into(
+    path: Path,
+    scene: Scene,
+    *,
+    screen: Observer | None = None,
+    comm: Any = None,
+    began: float | None = None,
+) -> Result:
+    """Run a scene; leave its history, profiles, figures and summary in a folder.
+
+    Every rank of the communicator calls this; rank 0 alone writes.
+
+    Parameters
+    ----------
+    path
+        The output folder.
+    scene
+        What to run.
+    screen
+        Is told of the run as the folder is.
+    comm
+        MPI communicator of the run; all ranks of the world if left out.
+    began
+        `time.perf_counter()` when the command began, for the total time.
+
+    Returns
+    -------
+    Result
+        As of `simulate`, its status and message the same on all ranks.
+
+    Raises
+    ------
+    DolfinxMissing
+        If dolfinx cannot be loaded.
+    OutputError
+        On every rank, before anything is computed, if the folder cannot be written.
+    RunLost
+        If the folder cannot be written later on.
+    """
+    importing = perf_counter()
+    began = importing if began is None else began
+    try:
+        from mpi4py import MPI
+
+        from .simulation import simulate
+    except ImportError as error:
+        raise DolfinxMissing(str(error)) from None
+    import_s = perf_counter() - importing
+    comm = MPI.COMM_WORLD if comm is None else comm
+    folder = _open(path, scene, comm)
+    with folder or nullcontext():
+        observers = [observer for observer in (folder, screen) if observer is not None]
+        try:
+            result = simulate(scene, observer=_All(observers), comm=comm)
+            status, message = comm.bcast((result.status, result.message))
+            result = replace(result, status=status, message=message)
+            if folder is not None:
+                _complete(folder, scene, result, import_s, began)
+        except OutputError as error:
+            raise RunLost(str(error)) from None
+    return result
+
+
+def _open(path: Path, scene: Scene, comm: Any) -> OutputFolder | None:
+    """Open the folder on rank 0; every rank learns whether that worked."""
+    folder, problem = None, None
+    if comm.rank == 0:
+        try:
+            folder = OutputFolder(path, scene)
+        except OutputError as error:
+            problem = str(error)
+    problem = comm.bcast(problem)
+    if problem is not None:
+        raise OutputError(problem)
+    return folder
+
+
+def _complete(
+    folder: OutputFolder, scene: Scene, result: Result, import_s: float, began: float
+) -> None:
+    """Draw the figures and write the summary."""
+    from . import plots
+
+    drawing = perf_counter()
+    with folder.writing():
+        plots.draw(folder.path, scene, result.history, result.profiles, result.status)
+    now = perf_counter()
+    output_s = result.timings.output_s + now - drawing
+    timings = replace(result.timings, import_s=import_s, output_s=output_s, total_s=now - began)
+    folder.finish(result, timings)
+
+
+class _All:
+    """Several observers as one."""
+
+    def __init__(self, observers: Sequence[Observer]) -> None:
+        self._observers = observers
+
+    def accepted(self, row: Row) -> None:
+        for observer in self._observers:
+            observer.accepted(row)
+
+    def saved(self, profile: Profile) -> None:
+        for observer in self._observers:
+            observer.saved(profile)

@@ -1,0 +1,259 @@
+"""The output folder of a run: written as the run goes, read back for figures."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from time import perf_counter
+from typing import IO, Self
+from zipfile import BadZipFile
+
+import numpy as np
+
+from .record import COLUMNS, History, Profile, Profiles, Result, Row, Status, Timings
+from .scene import Scene
+
+_SCENE, _HISTORY, _PROFILES, _RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
+SHAPES, VOLUME = "figures/shapes.png", "figures/volume.png"  # within the folder
+
+# Rewriting all profiles at each of very many saved times takes at most this part of the time.
+_PROFILES_SHARE = 0.1
+
+
+class OutputError(Exception):
+    """An output folder that cannot be written or read; the message is one line."""
+
+
+class OutputFolder:
+    """Folder that takes in a run while it goes: an `Observer`, and a context manager.
+
+    A row of the history is in its file as soon as the step is accepted; every other file is
+    written under a temporary name and renamed. Under MPI rank 0 alone has one.
+
+    Parameters
+    ----------
+    path
+        The folder, made where missing. Files of an earlier run in it are replaced, others stay.
+    scene
+        The scene to be run.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written, or holds files under our names that no run has left.
+    """
+
+    def __init__(self, path: Path, scene: Scene) -> None:
+        self.path = path
+        self._kept: list[Profile] = []
+        self._written = 0
+        self._may_write_at = 0.0
+        with self.writing():
+            self._claim()
+            self._replace(_SCENE, scene.to_toml().encode())
+            self._history = open(path / _HISTORY, "w", encoding="utf-8")  # noqa: SIM115
+            self._append(",".join(COLUMNS))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._history.close()
+
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Turn what goes wrong with the folder into an `OutputError`."""
+        try:
+            yield
+        except OSError as error:
+            if isinstance(error, FileExistsError | NotADirectoryError):
+                raise OutputError(
+                    f"{self.path}: is no folder but a file, or lies below one; choose another place"
+                ) from None
+            reason = error.strerror or error
+            raise OutputError(
+                f"{self.path}: cannot be written: {reason}; choose another folder"
+            ) from None
+
+    def accepted(self, row: Row) -> None:
+        """Append a row to the history."""
+        with self.writing():
+            self._append(",".join(repr(value) for value in _values(row)))
+
+    def saved(self, profile: Profile) -> None:
+        """Write the profiles anew with one more, unless that was done a moment ago."""
+        self._kept.append(profile)
+        began = perf_counter()
+        if began >= self._may_write_at:
+            self._write_profiles()
+            now = perf_counter()
+            self._may_write_at = now + (now - began) / _PROFILES_SHARE
+
+    def finish(self, result: Result, timings: Timings) -> None:
+        """Complete the folder with what is known at the end.
+
+        Parameters
+        ----------
+        result
+            Outcome of the run.
+        timings
+            Those of the whole command, in place of the result's own.
+        """
+        summary = {
+            "status": result.status,
+            "end_time_min": float(result.end_time),
+            "message": result.message,
+            "versions": _versions(),
+            "dofs": int(result.dofs),
+            "steps": int(result.steps),
+            "rejected_steps": int(result.rejected_steps),
+            "newton_iterations": int(result.newton_iterations),
+            "timings": asdict(timings),
+        }
+        if self._written < len(self._kept):
+            self._write_profiles()
+        with self.writing():
+            self._replace(_RUN, (json.dumps(summary, indent=2) + "\n").encode())
+
+    def _claim(self) -> None:
+        """Make the folder, or clear it of the files of an earlier run."""
+        ours = [self.path / name for name in (_SCENE, _HISTORY, _PROFILES, _RUN)]
+        found = [file.name for file in ours if file.exists()]
+        if found and not {_SCENE, _HISTORY} <= set(found):
+            raise OutputError(
+                f"{self.path}: holds a {found[0]} that is no output of a run; choose another folder"
+            )
+        self.path.mkdir(parents=True, exist_ok=True)
+        for name in (_PROFILES, _RUN, SHAPES, VOLUME):
+            (self.path / name).unlink(missing_ok=True)
+
+    def _append(self, line: str) -> None:
+        self._history.write(line + "\n")
+        self._history.flush()
+
+    def _write_profiles(self) -> None:
+        with self.writing(), _replacing(self.path / _PROFILES) as file:
+            np.savez(file, **Profiles(tuple(self._kept)).arrays())
+        self._written = len(self._kept)
+
+    def _replace(self, name: str, content: bytes) -> None:
+        with _replacing(self.path / name) as file:
+            file.write(content)
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[IO[bytes]]:
+    """File that takes the place of `path` only once it is complete."""
+    temporary = path.with_name(path.name + ".part")
+    try:
+        with open(temporary, "wb") as file:
+            yield file
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _values(row: Row) -> tuple[float | int, ...]:
+    """Values of a row as Python's own numbers, which print with all their digits."""
+    return tuple(_number(name)(getattr(row, name)) for name in COLUMNS)
+
+
+def _number(column: str) -> type[float] | type[int]:
+    return int if column == "newton_iterations" else float
+
+
+def _versions() -> dict[str, str]:
+    import dolfinx
+    from petsc4py import PETSc
+
+    from . import __version__
+
+    return {
+        "fenics_yeast": __version__,
+        "dolfinx": dolfinx.__version__,
+        "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+    }
+
+
+# Reading --------------------------------------------------------------------------------------
+
+
+def load_history(directory: Path) -> History:
+    """History of a run, finished or still going; a line cut at the end is left out.
+
+    Raises
+    ------
+    OutputError
+        If there is none, or it cannot be read.
+    """
+    path = directory / _HISTORY
+    try:
+        lines = path.read_text(encoding="utf-8").split("\n")[:-1]
+    except (OSError, UnicodeDecodeError):
+        raise OutputError(
+            f"{directory}: holds no {_HISTORY}; the output of a run is wanted"
+        ) from None
+    columns = lines[0].split(",") if lines else []
+    if missing := [name for name in COLUMNS if name not in columns]:
+        raise OutputError(f"{path}: has no column {missing[0]}; run the scene again")
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        try:
+            values = dict(zip(columns, line.split(","), strict=True))
+            rows.append(Row(**{name: _number(name)(values[name]) for name in COLUMNS}))  # type: ignore[arg-type]
+        except ValueError:
+            raise OutputError(f"{path}: line {number} is damaged; run the scene again") from None
+    return History(rows)
+
+
+def load_profiles(directory: Path) -> Profiles:
+    """Profiles of a run; none where nothing has been saved yet.
+
+    Raises
+    ------
+    OutputError
+        If they cannot be read.
+    """
+    path = directory / _PROFILES
+    try:
+        with np.load(path) as file:
+            arrays = dict(file)
+        if not len(arrays["time_min"]):
+            return Profiles(())
+        fixed = {name: arrays[name] for name in ("S", "S_points", "xi")}
+        moving = ("r", "z", "psi", "strain", "stress", "growth_strain")
+        return Profiles(
+            tuple(
+                Profile(time=float(time), **fixed, **{name: arrays[name][i] for name in moving})
+                for i, time in enumerate(arrays["time_min"])
+            )
+        )
+    except FileNotFoundError:
+        return Profiles(())
+    except (OSError, ValueError, KeyError, BadZipFile, EOFError):
+        raise OutputError(f"{path}: is damaged; run the scene again") from None
+
+
+def load_status(directory: Path) -> Status | None:
+    """How a run ended; None while it is going.
+
+    Raises
+    ------
+    OutputError
+        If that cannot be read.
+    """
+    path = directory / _RUN
+    try:
+        status: Status = json.loads(path.read_bytes())["status"]
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError):
+        raise OutputError(f"{path}: is damaged; run the scene again") from None
+    return status

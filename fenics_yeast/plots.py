@@ -1,0 +1,252 @@
+"""Figures of a run: the shapes of the cell at the saved times, and its volume against time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .output import SHAPES, VOLUME
+from .record import History, Profile, Profiles, Status
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+# Okabe and Ito's colours, told apart with any colour vision; yellow is left out, faint on white.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
+_WALL = "#666666"
+_STYLE = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.5,
+    "legend.frameon": False,
+    "savefig.dpi": 200,
+}
+_PANEL, _GAP, _LEFT = 1.75, 0.15, 0.55  # width of a shape's panel and around it, inches
+_MOST_IN_A_ROW, _MOST_SHAPES = 5, 20
+_POINTS = 72.0  # of an inch
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A run in a figure of several.
+
+    Attributes
+    ----------
+    label
+        Its name in the legend.
+    history
+        Its volume in time.
+    status
+        How it ended; None while it goes on.
+    """
+
+    label: str
+    history: History
+    status: Status | None = "finished"
+
+
+def draw(
+    directory: Path,
+    scene: Scene,
+    history: History,
+    profiles: Profiles,
+    status: Status | None = "finished",
+) -> list[Path]:
+    """Draw the figures of an output folder that there is anything to see in.
+
+    Returns
+    -------
+    list of Path
+        What has been drawn.
+    """
+    drawn = []
+    if len(profiles):
+        shapes(profiles, history, scene, directory / SHAPES)
+        drawn.append(directory / SHAPES)
+    if scene.run is not None and len(history) > 1:
+        volume(history, scene, directory / VOLUME, status)
+        drawn.append(directory / VOLUME)
+    return drawn
+
+
+def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> None:
+    """Draw the cell at the saved times, both halves, in true proportions: the paper's Figure 4.
+
+    The growing zone is coloured by its growth strain `ε1 + ε2`, the mean through the wall. Of
+    more than 20 profiles 20 are drawn, spread evenly from the first to the last.
+
+    Parameters
+    ----------
+    profiles
+        What to draw, at least one.
+    history
+        Of the same run; its volumes stand above the shapes.
+    scene
+        What was run.
+    path
+        PNG, PDF or SVG file; its folder is made where missing.
+    """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    drawn = _selection(profiles)
+    columns = min(len(drawn), _MOST_IN_A_ROW)
+    rows = -(-len(drawn) // columns)
+    half = 1.08 * max(float(p.r.max()) for p in drawn) + scene.wall.thickness
+    bottom = min(float(p.z.min()) for p in drawn)
+    top = max(float(p.z.max()) for p in drawn)
+    margin = 0.05 * (top - bottom)
+    scale = _PANEL / (2 * half)  # inches per µm
+    panel_height = (top - bottom + 2 * margin) * scale
+    strains = [_area_strain(p) for p in drawn]
+    largest = max(float(strain.max(initial=0.0)) for strain in strains)
+    colouring = ScalarMappable(Normalize(0.0, largest or 1.0), "viridis_r")
+    row_height = panel_height + 0.95
+    panels = columns * (_PANEL + _GAP)
+    width = _LEFT + panels + (0.8 if largest > 0 else 0.05)
+    height = rows * row_height
+    with _figure(path, width, height) as figure:
+
+        def place(x: float, y: float, w: float, h: float) -> Axes:
+            return figure.add_axes((x / width, y / height, w / width, h / height))
+
+        for i, (profile, strain) in enumerate(zip(drawn, strains, strict=True)):
+            row, column = divmod(i, columns)
+            x, y = _LEFT + column * (_PANEL + _GAP), height - (row + 1) * row_height + 0.45
+            axes = place(x, y, _PANEL, panel_height)
+            axes.set_xlim(-half, half)
+            axes.set_ylim(bottom - margin, top + margin)
+            axes.set_title(_caption(profile, history, scene), linespacing=1.4)
+            axes.set_xlabel("r (µm)")
+            if column == 0:
+                axes.set_ylabel("z (µm)")
+            else:
+                axes.tick_params(labelleft=False)
+            _draw_wall(axes, profile, strain, scene, scale, colouring)
+        if largest > 0:
+            axes = place(_LEFT + panels, height - row_height + 0.45, 0.1, panel_height)
+            figure.colorbar(colouring, cax=axes, label="growth strain ε₁ + ε₂")
+
+
+def volume(history: History, scene: Scene, path: Path, status: Status | None = "finished") -> None:
+    """Draw V/V0 against time with the saved times marked; where equilibrium is lost, say so."""
+    with _volume_axes(path) as axes:
+        curve = Curve(scene.title or scene.name, history, status)
+        _draw_volume(axes, curve, COLOURS[0])
+        saved = np.isin(history.time_min, scene.run.save if scene.run else ())
+        axes.plot(
+            history.time_min[saved], history.volume_ratio[saved], "o", color=COLOURS[0], ms=4.5
+        )
+        axes.set_title(curve.label)
+
+
+def volumes(curves: Sequence[Curve], path: Path, title: str = "") -> None:
+    """Draw V/V0 of several runs against time: the paper's Figures 5 and 6."""
+    with _volume_axes(path) as axes:
+        for i, curve in enumerate(curves):
+            _draw_volume(axes, curve, COLOURS[i % len(COLOURS)])
+        axes.set_title(title)
+        axes.legend(loc="upper left")
+
+
+@contextmanager
+def _figure(path: Path, width: float, height: float) -> Iterator[Figure]:
+    """Figure of the given size in inches, saved at the end; no window, no state left behind."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with rc_context(_STYLE):  # type: ignore[arg-type]
+        figure = Figure(figsize=(width, height))
+        FigureCanvasAgg(figure)
+        yield figure
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path)
+
+
+def _selection(profiles: Profiles) -> list[Profile]:
+    """All profiles, or as many as fit a page."""
+    count = min(len(profiles), _MOST_SHAPES)
+    return [profiles.all[i] for i in np.linspace(0, len(profiles) - 1, count).round().astype(int)]
+
+
+@contextmanager
+def _volume_axes(path: Path) -> Iterator[Axes]:
+    """Axes of V/V0 against time, the only ones of a figure."""
+    with _figure(path, 4.8, 3.4) as figure:
+        axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
+        yield axes
+        axes.set_xlabel("time (min)")
+        axes.set_ylabel("volume V/V₀")
+        axes.set_xlim(left=0)
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+
+
+def _caption(profile: Profile, history: History, scene: Scene) -> str:
+    ratio = f"V/V₀ = {history.at(profile.time).volume_ratio:.3f}"
+    return f"{profile.time:.4g} min\n{ratio}" if scene.run else ratio
+
+
+def _area_strain(profile: Profile) -> Array:
+    """Growth strain `ε1 + ε2`, the mean through the wall, at the points along the meridian."""
+    through = np.polynomial.legendre.leggauss(len(profile.xi))[1] / 2
+    return profile.growth_strain.sum(axis=2) @ through
+
+
+def _in_zone(profile: Profile, scene: Scene) -> NDArray[np.bool_]:
+    """Which of the pieces between two nodes belong to the growing zone."""
+    S, pieces = profile.S, np.arange(len(profile.S) - 1)
+    if scene.growth is None:
+        return np.zeros(len(pieces), dtype=bool)
+    extent = S[-1] * scene.growth.zone.half_angle / 180
+    if scene.growth.zone.pole == "bottom":
+        return pieces < np.argmin(np.abs(S - extent))
+    return pieces >= np.argmin(np.abs(S - (S[-1] - extent)))
+
+
+def _draw_wall(
+    axes: Axes, profile: Profile, strain: Array, scene: Scene, scale: float, colouring: Any
+) -> None:
+    """Draw both halves, as thick as the wall is (or as a line that prints)."""
+    from matplotlib.collections import LineCollection
+
+    linewidth = max(1.3, scene.wall.thickness * scale * _POINTS)
+    zone = _in_zone(profile, scene)
+    middle = (profile.S[1:] + profile.S[:-1]) / 2
+    colours = colouring.to_rgba(np.interp(middle[zone], profile.S_points, strain))
+    for side in (-1, 1):
+        nodes = np.column_stack([side * profile.r, profile.z])
+        pieces = np.stack([nodes[:-1], nodes[1:]], axis=1)
+        for part, colour in ((~zone, _WALL), (zone, colours)):
+            axes.add_collection(
+                LineCollection(
+                    pieces[part].tolist(), colors=colour, linewidths=linewidth, capstyle="round"
+                )
+            )
+
+
+def _draw_volume(axes: Axes, curve: Curve, colour: str) -> None:
+    """Draw a curve and mark where its run lost equilibrium."""
+    history = curve.history
+    axes.plot(history.time_min, history.volume_ratio, color=colour, label=curve.label)
+    if curve.status == "no-equilibrium" and len(history):
+        time, ratio = history.time_min[-1], history.volume_ratio[-1]
+        axes.plot([time], [ratio], "x", color=colour, ms=7, mew=1.8)
+        axes.annotate(
+            f"equilibrium lost\nat {time:.1f} min", (time, ratio), (-8, -2),
+            textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
+        )  # fmt: skip
