@@ -1,0 +1,145 @@
+"""Scenes, meshes and ways to run that several tests share."""
+
+import csv
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fenics_yeast import Scene, simulate
+from fenics_yeast import _dolfinx as dx
+from fenics_yeast.record import Result
+from fenics_yeast.scene import Cell, Growth, Numerics, Run, Turgor, Wall, Zone, parse_assignment
+
+DATA = Path(__file__).parent / "data"
+
+
+def read_table(name: str) -> list[dict[str, str]]:
+    """Rows of a table in `data`, by column."""
+    lines = (DATA / name).read_text().splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+@pytest.fixture(scope="session")
+def cell_scene() -> Scene:
+    """The cell of the reference tables, its turgor applied at once; numerics of the preset."""
+    return Scene(
+        cell=Cell(shape="sphere", diameter=5.0),
+        wall=Wall(thickness=0.1, shear_modulus=40.0, ogden_exponent=2.0),
+        turgor=Turgor(pressure=0.20265, ramp=0.0),
+        growth=Growth(zone=Zone(pole="top", half_angle=24.0), threshold=1.0, time=45.0),
+        run=Run(end=90.0),
+    )
+
+
+@pytest.fixture(scope="session")
+def paper_scene(cell_scene: Scene) -> Scene:
+    """The paper's bud with the paper's scheme and κ = 100, to 90 min."""
+    numerics = Numerics(preset="paper", shear_penalty=100.0)
+    return cell_scene.with_values({"numerics": numerics, "run.save": (40.0, 70.0, 80.0, 90.0)})
+
+
+@pytest.fixture(scope="session")
+def fine_scene(cell_scene: Scene) -> Scene:
+    """The paper's bud, converged in the mesh and, to about 1e-5, in time."""
+    numerics = Numerics(
+        elements=60,
+        order=3,
+        grading="graded",
+        geometry="curved",
+        thickness_points=3,
+        shear_penalty=1000.0,
+        integrator="sdirk2",
+        step=1.0,
+    )
+    return cell_scene.with_values({"numerics": numerics})
+
+
+@pytest.fixture(scope="session")
+def sphere_scene(fine_scene: Scene) -> Scene:
+    """A sphere that grows everywhere, on few cells: its solution is smooth."""
+    return fine_scene.with_values(
+        {
+            "growth.zone.half_angle": 180.0,
+            "numerics.elements": 12,
+            "numerics.grading": "uniform",
+            "run.end": 8.0,
+        }
+    )
+
+
+@pytest.fixture(scope="session")
+def elastic_scene(sphere_scene: Scene) -> Scene:
+    """A sphere under turgor that does not grow."""
+    return sphere_scene.with_values({"growth": None, "run": None})
+
+
+@pytest.fixture(scope="session")
+def reference_run(
+    cell_scene: Scene, fine_scene: Scene, paper_scene: Scene
+) -> Callable[[str, int], SimpleNamespace]:
+    """Run a case of `volumes.csv`: its result and the table's V/V0 by time. Each runs once."""
+    table = read_table("volumes.csv")
+    done: dict[tuple[str, int], SimpleNamespace] = {}
+
+    def run(case: str, thickness_points: int) -> SimpleNamespace:
+        key = (case, thickness_points)
+        if key not in done:
+            rows = [
+                row for row in table
+                if (row["case"], int(row["thickness_points"])) == key
+            ]  # fmt: skip
+            wanted = {float(row["time_min"]): float(row["volume_ratio"]) for row in rows}
+            scene = cell_scene if "numerics.preset" in rows[0]["changes"] else fine_scene
+            changes = dict(map(parse_assignment, filter(None, rows[0]["changes"].split(";"))))
+            changes["numerics.thickness_points"] = thickness_points
+            changes["run"] = Run(end=max(wanted), save=tuple(wanted))
+            result = simulate(scene.with_values(changes))
+            done[key] = SimpleNamespace(result=result, wanted=wanted)
+        return done[key]
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def bud_run(reference_run: Callable[[str, int], SimpleNamespace]) -> Result:
+    """The growing bud to 90 min, converged."""
+    return reference_run("base", 3).result
+
+
+@pytest.fixture(scope="session")
+def one_cell():
+    """A mesh of one cell on one rank, on which functions of constants can be evaluated."""
+    return dx.interval_mesh(dx.MPI.COMM_SELF, np.array([0.0, 1.0]))
+
+
+@pytest.fixture
+def mpirun(tmp_path: Path) -> Callable[[str, int], Path]:
+    """Run a Python text on a number of ranks, in a folder that is returned."""
+    environment = os.environ | {
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "OMPI_MCA_mpi_yield_when_idle": "1",
+        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",  # Open MPI 5
+        "OMP_NUM_THREADS": "1",
+    }
+
+    def run(text: str, ranks: int) -> Path:
+        folder = tmp_path / f"{ranks}-ranks"
+        folder.mkdir()
+        script = folder / "script.py"
+        script.write_text(text)
+        command = ["mpirun", "-n", str(ranks), sys.executable, str(script)]
+        done = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return folder
+
+    return run
