@@ -3,19 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, Protocol
 
-from .output import OutputError, OutputFolder
-from .record import Observer, Profile, Result, Row
+from .output import OutputError, OutputFolder, writing
+from .record import History, Observer, Profile, Profiles, Result, Row, Timings
 from .scene import Scene
+
+_UNSTARTED = Result(
+    history=History(()),
+    profiles=Profiles(()),
+    status="interrupted",
+    message="interrupted before the first equilibrium",
+    end_time=0.0,
+    dofs=0,
+    steps=0,
+    rejected_steps=0,
+    newton_iterations=0,
+    timings=Timings(),
+)
 
 
 class DolfinxMissing(Exception):
     """dolfinx cannot be loaded; the message is a line that says how to install it."""
+
+
+class Screen(Observer, Protocol):
+    """An observer that shows a run between entry and exit."""
+
+    def __enter__(self) -> object: ...
+
+    def __exit__(self, *_: object) -> None: ...
 
 
 class RunLost(Exception):
@@ -26,7 +47,7 @@ def run_into(
     path: Path,
     scene: Scene,
     *,
-    screen: Observer | None = None,
+    screen: Screen | None = None,
     comm: Any = None,
     began: float | None = None,
 ) -> Result:
@@ -41,7 +62,7 @@ def run_into(
     scene
         What to run.
     screen
-        Is told of the run as the folder is.
+        Shows the run, on rank 0.
     comm
         MPI communicator of the run; all ranks of the world if left out.
     began
@@ -63,21 +84,30 @@ def run_into(
     """
     importing = perf_counter()
     began = importing if began is None else began
-    try:
-        from mpi4py import MPI
-
-        from .simulation import simulate
-    except ImportError as error:
-        raise DolfinxMissing(str(error)) from None
-    import_s = perf_counter() - importing
-    comm = MPI.COMM_WORLD if comm is None else comm
-    folder = _open(path, scene, comm)
-    with folder or nullcontext():
-        observers = [observer for observer in (folder, screen) if observer is not None]
+    with ExitStack() as stack:
         try:
-            result = simulate(scene, observer=_All(observers), comm=comm)
-            status, message = comm.bcast((result.status, result.message))
-            result = replace(result, status=status, message=message)
+            from mpi4py import MPI
+
+            comm = MPI.COMM_WORLD if comm is None else comm
+            observers: list[Observer] = []
+            if screen is not None and comm.rank == 0:
+                stack.enter_context(screen)
+                observers.append(screen)
+            from .simulation import simulate
+        except ImportError as error:
+            raise DolfinxMissing(str(error)) from None
+        import_s = perf_counter() - importing
+        folder = _open(path, scene, comm)
+        if folder is not None:
+            stack.enter_context(folder)
+            observers.insert(0, folder)
+        try:
+            try:
+                result = simulate(scene, observer=_All(observers), comm=comm)
+                status, message = comm.bcast((result.status, result.message))
+                result = replace(result, status=status, message=message)
+            except KeyboardInterrupt:
+                result = _UNSTARTED
             if folder is not None:
                 _complete(folder, scene, result, import_s, began)
         except OutputError as error:
@@ -106,7 +136,7 @@ def _complete(
     from . import plots
 
     drawing = perf_counter()
-    with folder.writing():
+    with writing(folder.path):
         plots.draw(folder.path, scene, result.history, result.profiles, result.status)
     now = perf_counter()
     output_s = result.timings.output_s + now - drawing

@@ -29,6 +29,20 @@ class OutputError(Exception):
     """An output folder that cannot be written or read; the message is one line."""
 
 
+@contextmanager
+def writing(directory: Path) -> Iterator[None]:
+    """Turn what goes wrong in writing to an output folder into an `OutputError`."""
+    try:
+        yield
+    except (FileExistsError, NotADirectoryError):
+        problem = "is a file, or lies below one"
+    except OSError as error:
+        problem = f"cannot be written: {error.strerror or error}"
+    else:
+        return
+    raise OutputError(f"{directory}: {problem}; choose another output folder")
+
+
 class OutputFolder:
     """Folder that takes in a run while it goes: an `Observer`, and a context manager.
 
@@ -53,7 +67,7 @@ class OutputFolder:
         self._kept: list[Profile] = []
         self._written = 0
         self._may_write_at = 0.0
-        with self.writing():
+        with writing(self.path):
             self._claim()
             self._replace(_SCENE, scene.to_toml().encode())
             self._history = open(path / _HISTORY, "w", encoding="utf-8")  # noqa: SIM115
@@ -65,24 +79,9 @@ class OutputFolder:
     def __exit__(self, *_: object) -> None:
         self._history.close()
 
-    @contextmanager
-    def writing(self) -> Iterator[None]:
-        """Turn what goes wrong with the folder into an `OutputError`."""
-        try:
-            yield
-        except OSError as error:
-            if isinstance(error, FileExistsError | NotADirectoryError):
-                raise OutputError(
-                    f"{self.path}: is no folder but a file, or lies below one; choose another place"
-                ) from None
-            reason = error.strerror or error
-            raise OutputError(
-                f"{self.path}: cannot be written: {reason}; choose another folder"
-            ) from None
-
     def accepted(self, row: Row) -> None:
         """Append a row to the history."""
-        with self.writing():
+        with writing(self.path):
             self._append(",".join(repr(value) for value in _values(row)))
 
     def saved(self, profile: Profile) -> None:
@@ -117,7 +116,7 @@ class OutputFolder:
         }
         if self._written < len(self._kept):
             self._write_profiles()
-        with self.writing():
+        with writing(self.path):
             self._replace(_RUN, (json.dumps(summary, indent=2) + "\n").encode())
 
     def _claim(self) -> None:
@@ -126,7 +125,7 @@ class OutputFolder:
         found = [file.name for file in ours if file.exists()]
         if found and not {_SCENE, _HISTORY} <= set(found):
             raise OutputError(
-                f"{self.path}: holds a {found[0]} that is no output of a run; choose another folder"
+                f"{self.path}: holds a {found[0]} that no run has left; choose another folder"
             )
         self.path.mkdir(parents=True, exist_ok=True)
         for name in (_PROFILES, _RUN, SHAPES, VOLUME):
@@ -137,7 +136,7 @@ class OutputFolder:
         self._history.flush()
 
     def _write_profiles(self) -> None:
-        with self.writing(), _replacing(self.path / _PROFILES) as file:
+        with writing(self.path), _replacing(self.path / _PROFILES) as file:
             np.savez(file, **Profiles(tuple(self._kept)).arrays())
         self._written = len(self._kept)
 
@@ -183,6 +182,21 @@ def _versions() -> dict[str, str]:
 
 
 # Reading --------------------------------------------------------------------------------------
+
+
+def load_scene(directory: Path) -> Scene:
+    """Scene of a run.
+
+    Raises
+    ------
+    OutputError
+        If there is none.
+    SceneError
+        If it cannot be read.
+    """
+    if not (directory / _SCENE).is_file():
+        raise OutputError(f"{directory}: holds no {_SCENE}; the output of a run is wanted")
+    return Scene.load(directory / _SCENE)
 
 
 def load_history(directory: Path) -> History:

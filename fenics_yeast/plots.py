@@ -144,7 +144,7 @@ def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> No
 def volume(history: History, scene: Scene, path: Path, status: Status | None = "finished") -> None:
     """Draw V/V0 against time with the saved times marked; where equilibrium is lost, say so."""
     with _volume_axes(path) as axes:
-        curve = Curve(scene.title or scene.name, history, status)
+        curve = Curve(scene.title, history, status)
         _draw_volume(axes, curve, COLOURS[0])
         saved = np.isin(history.time_min, scene.run.save if scene.run else ())
         axes.plot(
@@ -169,7 +169,7 @@ def _figure(path: Path, width: float, height: float) -> Iterator[Figure]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with rc_context(_STYLE):  # type: ignore[arg-type]
+    with rc_context(_STYLE):
         figure = Figure(figsize=(width, height))
         FigureCanvasAgg(figure)
         yield figure
