@@ -76,6 +76,8 @@ class Equilibrium:
         ksp.getPC().setFactorSolverType("petsc" if serial else "mumps")
         if serial:
             ksp.getPC().setFactorOrdering("rcm")  # a banded matrix
+            # Without pivoting, no shear (κ = inf) or no bending (one fibre) is a zero pivot.
+            ksp.getPC().setFactorShift(dx.PETSc.Mat.FactorShiftType.NONZERO, 1e-10)
         snes.setFromOptions()
 
     def __enter__(self) -> Equilibrium:
