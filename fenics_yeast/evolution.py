@@ -46,7 +46,7 @@ class Step:
     iterations
         Newton iterations.
     error
-        Estimated error of the volume in µm³, with its sign; 0 where the method has no estimate.
+        Estimated error of the volume in µm³, with its sign; 0 for an elastic wall.
     """
 
     iterations: int
@@ -148,26 +148,22 @@ class Evolution:
         rates: list[Array] = []
         iterations = 0
         for i in range(len(c)):
-            base = self.state.eps_g + dt * sum((a * k for a, k in zip(A[i], rates, strict=False)))
+            base = self.state.eps_g + dt * sum(a * k for a, k in zip(A[i], rates, strict=False))
             if i > 0 or A[i, i] > 0:
                 growth.stage.value = A[i, i] * dt
                 growth.set_base(base)
-                growth.set(base)
+                growth.set(base + A[i, i] * dt * rates[-1] if rates else base)
                 iterations += self._solve(end if i == len(c) - 1 else start + c[i] * dt)
-            if A[i, i] > 0:
-                rates.append((growth.get() - base) / (A[i, i] * dt))
-            elif i < len(c) - 1:
-                rates.append(growth.rate())
-        error = 0.0
-        if self._tableau.embedded is not None:
-            weights = A[-1] - self._tableau.embedded
-            difference = dt * sum(b * k for b, k in zip(weights, rates, strict=True))
-            error = self._equilibrium.volume_change(difference)
+            implicit = A[i, i] > 0
+            rates.append((growth.get() - base) / (A[i, i] * dt) if implicit else growth.rate())
+        weights = A[-1] - self._tableau.embedded
+        error = dt * sum(b * k for b, k in zip(weights, rates, strict=True))
+        change = self._equilibrium.volume_change(error)
         growth.stage.value = 0.0
-        return Step(iterations, error)
+        return Step(iterations, change)
 
     def _solve(self, time: float) -> int:
-        """Equilibrium at a time, from an extrapolated start and, if that fails, from a plain one."""
+        """Equilibrium at a time, from an extrapolated start; if that fails, from a plain one."""
         self.shell.pressure.value = self.pressure(time)
         self.shell.w.x.array[:] = self._extrapolated(time)
         spent = 0

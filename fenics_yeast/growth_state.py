@@ -21,7 +21,7 @@ from . import growth, kinematics, wall
 
 Array = NDArray[np.float64]
 
-_STILL = 1e-13  # change of the growth strain at which the update has converged
+_STILL = 1e-9  # change of the growth strain after which, converging quadratically, none is left
 _MOST_ITERATIONS = 60
 
 
@@ -88,9 +88,7 @@ class GrowthState:
         self._rate = dx.compile_expression(_flatten(self.rates), points)
         self._by_strain = dx.compile_expression(_flatten(by_strain), points)
         self._by_stage = dx.compile_expression(_flatten(by_stage), points)
-        self._strain_sensitivity = dx.fem.Function(
-            dx.quadrature_space(mesh, 4 * len(eps), degree)
-        )
+        self._strain_sensitivity = dx.fem.Function(dx.quadrature_space(mesh, 4 * len(eps), degree))
         self._strain_dofs = dx.dof_array(self._strain_sensitivity.function_space)[cells]
         self._stage_sensitivity = dx.fem.Function(space)
 
@@ -131,9 +129,7 @@ class GrowthState:
     def followed(self, j: int, d_eps: Any) -> Any:
         """Change of the growth strains at thickness point j for a change of strain, in UFL."""
         a = [self._strain_sensitivity[4 * j + i] for i in range(4)]
-        return ufl.as_vector(
-            [a[0] * d_eps[0] + a[1] * d_eps[1], a[2] * d_eps[0] + a[3] * d_eps[1]]
-        )
+        return ufl.as_vector([a[0] * d_eps[0] + a[1] * d_eps[1], a[2] * d_eps[0] + a[3] * d_eps[1]])
 
     def differentiate(self) -> None:
         """Bring `followed`, the derivative of the update by the strain, up to the trial state."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -164,14 +165,17 @@ def _zone(scene: Scene, curve: Curve) -> Interval | None:
 def _graded(
     zone: Interval | None, edges: Sequence[float], layer: float
 ) -> Callable[[Array], Array]:
-    """Density of cells: more of them where the wall grows and in the boundary layers."""
+    """Density of cells: more of them where the wall grows and in the boundary layers.
+
+    The numbers are the best of those tried on three growing buds.
+    """
 
     def density(S: Array) -> Array:
         weight = np.ones_like(S)
         if zone is not None:
-            weight += 4 * ((zone.start <= S) & (zone.end >= S))
+            weight += 12 * ((zone.start <= S) & (zone.end >= S))
         for edge in edges:
-            weight += 12 / (1 + ((S - edge) / layer) ** 2)
+            weight += 40 / (1 + ((S - edge) / (0.35 * layer)) ** 2)
         return weight
 
     return density
@@ -200,7 +204,7 @@ def place_nodes(
     """
     ends = np.array([0.0, *sorted(fixed), length])
     parts = []
-    for start, end in zip(ends[:-1], ends[1:], strict=True):
+    for start, end in pairwise(ends):
         S = np.linspace(start, end, 2001)
         rho = density((S[1:] + S[:-1]) / 2) * np.diff(S)
         parts.append((S, np.concatenate([[0.0], np.cumsum(rho)])))

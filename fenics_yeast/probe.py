@@ -92,4 +92,5 @@ class Probe:
         nodes, S, fields = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
         nodes, order = nodes[np.argsort(nodes[:, 0])], np.argsort(S)
         eps, sigma, eps_g = (np.ascontiguousarray(fields[order, :, i]) for i in range(3))
-        return Profile(time, *np.ascontiguousarray(nodes.T), S[order], shell.xi, eps, sigma, eps_g)
+        S_nodes, r, z, psi = np.ascontiguousarray(nodes.T)
+        return Profile(time, S_nodes, r, z, psi, S[order], shell.xi, eps, sigma, eps_g)

@@ -153,9 +153,12 @@ Integrator = Literal["forward-euler", "backward-euler", "sdirk2", "sdirk3"]
 
 @dataclass(frozen=True)
 class Preset:
-    """Values for every key of `Numerics` that a scene leaves out."""
+    """Values for every key of `Numerics` that a scene leaves out.
 
-    elements: int
+    Without a number of `elements`, it follows from the tolerance.
+    """
+
+    elements: int | None
     order: int
     grading: Grading
     geometry: Geometry
@@ -169,8 +172,8 @@ class Preset:
 PRESETS: Mapping[str, Preset] = MappingProxyType(
     {
         "default": Preset(
-            elements=48,
-            order=3,
+            elements=None,
+            order=4,
             grading="graded",
             geometry="curved",
             thickness_points=5,
@@ -210,13 +213,31 @@ def _preset(key: str, description: str, **bounds: Any) -> Any:
     )
 
 
+def _elements(given: Mapping[str, Any]) -> int:
+    """Number of elements of the preset, or the one whose error stays within the tolerance.
+
+    Measured for graded cells of degree 4 on three buds: 16 leave an error of V/V0 below 1e-5,
+    33 below 1e-6.
+    """
+    elements = PRESETS[given["preset"]].elements
+    return elements or max(12, round(16 * (1e-4 / given["tolerance"]) ** (1 / 6)))
+
+
 class Numerics(_Table):
     """How the scene is solved; what is left out comes from the preset."""
 
     preset: Literal["default", "paper"] = Field(
         default="default", description="where the rest comes from"
     )
-    elements: int = _preset("elements", "number of elements along the meridian", ge=2, le=100_000)
+    tolerance: float = _preset(
+        "tolerance", "wanted relative error of V/V0 of adaptive steps (1)", gt=0, le=0.1
+    )
+    elements: int = Field(
+        default_factory=_elements,
+        description="number of elements along the meridian",
+        ge=2,
+        le=100_000,
+    )
     order: int = _preset("order", "degree of the Lagrange elements", ge=1, le=4)
     grading: Grading = _preset("grading", "element sizes: equal, or following the zone's edge")
     geometry: Geometry = _preset("geometry", "meridian within an element: straight or curved")
@@ -229,9 +250,6 @@ class Numerics(_Table):
     integrator: Integrator = _preset("integrator", "time integration of growth")
     step: Annotated[Time | None, BeforeValidator(_none_if_adaptive), _STEP] = _preset(
         "step", 'fixed time step; "adaptive", None in Python, where the tolerance rules (min)', gt=0
-    )
-    tolerance: float = _preset(
-        "tolerance", "wanted relative error of V/V0 of adaptive steps (1)", gt=0, le=0.1
     )
 
 

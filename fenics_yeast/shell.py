@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -60,6 +59,13 @@ class Shell:
         from the mid-surface in µm, outward positive.
     quadrature_S
         Arc length of the quadrature points of each local cell, shape ``(cells, points)``.
+    residual, tangent, volume_gradient
+        Compiled derivative of Π by the state; its second derivative at given growth, which is
+        symmetric; derivative of the enclosed volume per 2π, which is minus that of the residual
+        by the pressure.
+    consistent_tangent
+        Compiled derivative of the residual when growth follows the strain in its stage; None for
+        an elastic wall.
     conditions, constrained
         Conditions at the poles, all homogeneous, and their local degrees of freedom.
     """
@@ -124,9 +130,7 @@ class Shell:
         self.growing_cells = np.flatnonzero(grows).astype(np.int32)
         tags = dx.cell_tags(self.mesh, np.where(grows, _GROWING, _ELASTIC).astype(np.int32))
         metadata = {"quadrature_degree": self.degree, "quadrature_rule": "default"}
-        self._dS = ufl.Measure(
-            "dx", domain=self.mesh, subdomain_data=tags, metadata=metadata
-        )
+        self._dS = ufl.Measure("dx", domain=self.mesh, subdomain_data=tags, metadata=metadata)
         self.quadrature_S = S
 
     def _constrain_poles(self) -> None:
@@ -135,9 +139,7 @@ class Shell:
         held = [(0, 0.0), (1, 0.0), (2, 0.0), (0, top), (2, top)]
         dofs = [(dx.pole_dofs(self.space, (0, i), S), i) for i, S in held]
         zero = self._constant(0.0)
-        self.conditions = [
-            dx.fem.dirichletbc(zero, d, self.space.sub(0).sub(i)) for d, i in dofs
-        ]
+        self.conditions = [dx.fem.dirichletbc(zero, d, self.space.sub(0).sub(i)) for d, i in dofs]
         self.constrained = np.concatenate([d for d, _ in dofs])
 
     # --- the wall in UFL ------------------------------------------------------------------
@@ -157,20 +159,24 @@ class Shell:
         )
         parts = kinematics.strains(reference, self._current)
         self._gamma = parts.gamma
-        self._strain = ufl.as_vector(parts[:4])
+        self._strain = ufl.as_vector([parts.E1m, parts.E2m, parts.E1b, parts.E2b])
         # The energy depends on the state through these four numbers alone.
         self._E = ufl.variable(self._strain)
-        parts = kinematics.Strains(*(self._E[i] for i in range(4)), parts.gamma)
+        E1m, E2m, E1b, E2b = (self._E[i] for i in range(4))
+        parts = kinematics.Strains(E1m, E2m, E1b, E2b, parts.gamma)
         self.eps = []
         for zeta in self._zeta:
             E = kinematics.green_lagrange(parts, float(zeta) * self._h / 2)
             self.eps.append(ufl.as_vector([kinematics.logarithmic(E_i) for E_i in E]))
 
-    def _wall_energy(self, eps_g: list[Any] | None) -> Any:
-        """Energy of the wall per reference area: ψ integrated through the thickness."""
+    def _wall_energy(self, eps_g: list[Any]) -> Any:
+        """Energy of the wall per reference area: ψ integrated through the thickness.
+
+        `eps_g` holds the growth strains at the thickness points; empty where nothing grows.
+        """
         total = 0
         for j, (weight, eps) in enumerate(zip(self._weights, self.eps, strict=True)):
-            eps_e = eps if eps_g is None else kinematics.elastic(eps, eps_g[j])
+            eps_e = kinematics.elastic(eps, eps_g[j]) if eps_g else eps
             total += float(weight) * self._h / 2 * self.energy(eps_e)
         return total
 
@@ -188,7 +194,7 @@ class Shell:
         lagrangian = (self._Q * self._gamma - self._Q**2 * self._compliance / 2) * self._R
         lagrangian -= self.pressure * self._enclosed
         residual, tangent, followed = 0, 0, 0
-        regions: list[tuple[int, list[Any] | None]] = [(_ELASTIC, None)]
+        regions: list[tuple[int, list[Any]]] = [(_ELASTIC, [])]
         if self.growth is not None:
             eps_g = [ufl.variable(self.growth.strain(j)) for j in range(len(self.eps))]
             regions.append((_GROWING, eps_g))
@@ -201,48 +207,32 @@ class Shell:
             tangent += ufl.dot(d_E, stiffness * D_E) * self._R * dS
             tangent += ufl.dot(resultants, dD_E) * self._R * dS
             tangent += ufl.derivative(rest, self.w, dw)
-            if self.growth is not None and eps_g is not None:
+            if self.growth is not None and eps_g:
                 for j, eps in enumerate(self.eps):
                     follow = self.growth.followed(j, ufl.diff(eps, self._E) * D_E)
                     change = ufl.diff(resultants, eps_g[j]) * follow
                     followed += ufl.dot(d_E, change) * self._R * dS
+        enclosed = self._enclosed * self._dS
         self.residual = dx.compile_form(residual)
-        self._tangent, self._followed = tangent, followed
-        self._volume = dx.compile_form(2 * np.pi * self._enclosed * self._dS)
+        self.tangent = dx.compile_form(tangent)
+        self.volume_gradient = dx.compile_form(ufl.derivative(enclosed, self.w, v))
+        self._volume = dx.compile_form(2 * np.pi * enclosed)
+        self.consistent_tangent = self._dissipation = None
+        if self.growth is not None:
+            self.consistent_tangent = dx.compile_form(tangent + followed)
+            self._dissipation = self._compile_dissipation(self.growth)
 
     @property
     def _enclosed(self) -> Any:
         """Enclosed volume per 2π and reference arc length."""
         return self._current.r**2 * self._current.z_S / 2
 
-    @cached_property
-    def tangent(self) -> Any:
-        """Compiled second derivative of the potential at given growth; symmetric."""
-        return dx.compile_form(self._tangent)
-
-    @cached_property
-    def consistent_tangent(self) -> Any:
-        """Compiled derivative of the residual when growth follows the strain in its stage."""
-        return dx.compile_form(self._tangent + self._followed)
-
-    @cached_property
-    def volume_gradient(self) -> Any:
-        """Compiled derivative of the enclosed volume per 2π: minus that of the residual by p."""
-        return dx.compile_form(ufl.derivative(self._enclosed * self._dS, self.w))
-
-    @cached_property
-    def _dissipation(self) -> Any:
-        state, total = self._growing, 0
+    def _compile_dissipation(self, state: GrowthState) -> Any:
+        total = 0
         for point, rate, weight in zip(state.points, state.rates, self._weights, strict=True):
             dV = float(weight) * self._h / 2 * self._R
             total += growth.dissipation(point, rate) * dV
         return dx.compile_form(2 * np.pi * total * self._dS(_GROWING))
-
-    @property
-    def _growing(self) -> GrowthState:
-        if self.growth is None:
-            raise ValueError("an elastic wall has no growth state")
-        return self.growth
 
     # --- state and functionals ------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from typing import Any
 from . import _dolfinx as dx
 from . import growth, wall
 from .equilibrium import Equilibrium, EquilibriumError
-from .evolution import Evolution
+from .evolution import Evolution, Step
 from .integrators import TABLEAUX
 from .laws import Law
 from .meridian import discretise
@@ -21,6 +21,8 @@ from .shell import Shell
 from .time_steps import TimeSteps
 
 _SOFT = 20.0  # growth of the cell's compliance that marks a limit point
+_FIRST_STEP = 1e-3  # of the characteristic time of growth, where steps are adaptive
+_SLOW = 0.02  # rate V'/V0 of growth, times its characteristic time, below which it counts as slow
 
 
 def build_shell(scene: Scene, comm: Any = None) -> Shell:
@@ -92,18 +94,14 @@ class _Run:
 
     def go(self) -> Result:
         """Run to the end, or to what ends the run."""
-        pressure = turgor(self._scene)
-        with Equilibrium(self._shell, 1e-10 * self._force()) as self._equilibrium:
-            self._evolution = Evolution(
-                self._shell,
-                self._equilibrium,
-                TABLEAUX[self._scene.numerics.integrator],
-                pressure,
-            )
-            self._timings = replace(
-                self._timings,
-                setup_s=perf_counter() - self._began - self._timings.compile_s,
-            )
+        numerics = self._scene.numerics
+        self._tableau = TABLEAUX[numerics.integrator]
+        precision = 1e-9 if numerics.step else min(1e-5, 0.05 * numerics.tolerance)
+        with Equilibrium(self._shell, precision * self._force()) as self._equilibrium:
+            pressure = turgor(self._scene)
+            self._evolution = Evolution(self._shell, self._equilibrium, self._tableau, pressure)
+            setup = perf_counter() - self._began - self._timings.compile_s
+            self._timings = replace(self._timings, setup_s=setup)
             loop = perf_counter()
             status, message = self._guarded()
             loop = perf_counter() - loop - self._output_s
@@ -139,12 +137,10 @@ class _Run:
             self._save()
             return "finished", "equilibrium found"
         ramp = min(self._scene.turgor.ramp, run.end)
-        fixed = self._scene.numerics.step or run.end / 200
-        steps = TimeSteps([ramp, *run.save, run.end], fixed, None)
+        steps = self._time_steps([ramp, *run.save, run.end])
         while (end := steps.propose(self._time)) is not None:
-            start = self._time
             try:
-                iterations = evolution.step(end).iterations
+                step = evolution.attempt(end)
             except EquilibriumError as error:
                 self._rejected += 1
                 self._iterations += error.iterations
@@ -161,13 +157,41 @@ class _Run:
                         f"no step beyond {self._time:g} min, however small, converged: {error}"
                     )
                 continue
-            steps.judge(0.0)
+            start, volume = self._time, self._shell.volume()
+            if not steps.judge(self._badness(step, end - start, volume)):
+                evolution.reject()
+                self._rejected += 1
+                self._iterations += step.iterations
+                continue
+            evolution.accept(end)
             if end == ramp:
                 evolution.forget()
-            self._accept(iterations, end - start)
+            self._accept(step.iterations, end - start)
             if end in run.save:
                 self._save()
         return "finished", f"reached {run.end:g} min"
+
+    def _time_steps(self, milestones: list[float]) -> TimeSteps:
+        """Fixed steps, or steps that follow the estimated error of growth."""
+        numerics, growing = self._scene.numerics, self._scene.growth
+        if numerics.step is not None:
+            return TimeSteps(milestones, numerics.step, None)
+        if growing is None:
+            return TimeSteps(milestones, milestones[-1] / 100, None)
+        return TimeSteps(milestones, _FIRST_STEP * growing.time, self._tableau.estimate_order)
+
+    def _badness(self, step: Step, dt: float, volume: float) -> float:
+        """Estimated error of a step, 1 being the largest wanted.
+
+        An error of the volume acts like a shift in time by it over `V'`, and shifts add up over
+        the run: it is held against what the cell grows in the characteristic time.
+        """
+        growing = self._scene.growth
+        if growing is None:
+            return 0.0
+        grown = abs(volume - self._rows[-1].volume_um3) * growing.time / dt
+        wanted = self._scene.numerics.tolerance * max(grown, _SLOW * self._volume_0)
+        return abs(step.error) / (self._tableau.caution * wanted)
 
     def _lost(self, what: str, error: EquilibriumError) -> tuple[Status, str]:
         return "failed", f"{what}: {error}"

@@ -178,7 +178,15 @@ def test_radians_become_degrees(bud):
 def test_presets_are_complete_and_valid(name):
     preset = dataclasses.asdict(PRESETS[name])
     assert {"preset", *preset} == set(Numerics.model_fields)
-    assert Numerics(preset=name) == Numerics(preset=name, **preset)
+    given = {key: value for key, value in preset.items() if value is not None or key == "step"}
+    assert Numerics(preset=name) == Numerics(preset=name, **given)
+
+
+def test_more_elements_for_a_smaller_tolerance():
+    text = BALLOON + "[numerics]\ntolerance = "
+    elements = [Scene.from_toml(f"{text}{t}").numerics.elements for t in (1e-3, 1e-4, 1e-6)]
+    assert elements == sorted(set(elements))
+    assert Scene.from_toml(f"{text}1e-6\nelements = 20").numerics.elements == 20
 
 
 def test_the_paper_preset_is_the_paper():
@@ -415,9 +423,13 @@ MALFORMED = {
     "17 points": (replaced("points = 3", "points = 17"), ["thickness_points = 17", "at most 16"]),
     "no step": (replaced('"0.2 min"', "0"), ["numerics.step = 0", "than 0", '"adaptive"']),
     "loose tolerance": (replaced("1e-4", "0.2"), ["numerics.tolerance = 0.2", "at most 0.1"]),
+    "loose tolerance of a preset": (
+        BALLOON + "[numerics]\ntolerance = 7",
+        ["numerics.tolerance = 7", "at most 0.1"],
+    ),
     "several": (
         BUD.replace("480", "1").replace('"conical"', "3").replace("1e-4", "7"),
-        ["numerics.elements = 1", "(and 2 more)"],
+        ["numerics.tolerance = 7", "(and 2 more)"],
     ),
     "wrong preset and a key": (
         BALLOON + '[numerics]\npreset = "x"\norder = 9\n',
