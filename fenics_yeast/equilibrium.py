@@ -60,6 +60,7 @@ class Equilibrium:
         self._x = self._matrix.createVecRight()
         self._f = self._matrix.createVecLeft()
         self._assembled = dx.fem.Function(shell.space)
+        self._b, self._w = self._assembled.x.array, shell.w.x.array
         owned = shell.space.dofmap.index_map.size_local
         self._held = shell.constrained[shell.constrained < owned]
         self._owned = owned
@@ -105,16 +106,16 @@ class Equilibrium:
             With SNES' reason in words; displacement and growth are then as before.
         """
         shell, snes = self._shell, self.snes
-        w = shell.w.x.array.copy()
+        w = self._w.copy()
         eps_g = None if shell.growth is None else shell.growth.get()
         self._x.array[:] = w[: self._owned]
         snes.solve(None, self._x)
         reason, iterations = snes.getConvergedReason(), snes.getIterationNumber()
         if reason > 0:
-            if not np.array_equal(shell.w.x.array[: self._owned], self._x.array_r):
+            if not np.array_equal(self._w[: self._owned], self._x.array_r):
                 self._load(self._x)
             return iterations
-        shell.w.x.array[:] = w
+        self._w[:] = w
         if shell.growth is not None and eps_g is not None:
             shell.growth.set(eps_g)
         words = REASONS.get(reason, f"SNES stopped for its reason {reason}")
@@ -162,18 +163,17 @@ class Equilibrium:
 
     def _assemble(self, form: Any, vector: Any) -> None:
         """Assemble a linear form; it is zero where the motion is held."""
-        b = self._assembled
-        b.x.array[:] = 0
-        dx.fem.assemble_vector(b.x.array, form)
-        dx.accumulate(b)
-        vector.array[:] = b.x.array[: self._owned]
-        vector.array[self._held] = 0
+        self._b[:] = 0
+        dx.fem.assemble_vector(self._b, form)
+        dx.accumulate(self._assembled)
+        values = vector.array
+        values[:] = self._b[: self._owned]
+        values[self._held] = 0
 
     def _load(self, x: Any) -> bool:
         """Make SNES' iterate the trial state; False if the growth update failed there."""
-        w = self._shell.w
-        w.x.array[: self._owned] = x.array_r
-        w.x.scatter_forward()
+        self._w[: self._owned] = x.array_r
+        self._shell.w.x.scatter_forward()
         growth = self._shell.growth
         return growth is None or growth.stage.value == 0 or growth.update()
 

@@ -21,7 +21,7 @@ from . import growth, kinematics, wall
 
 Array = NDArray[np.float64]
 
-_STILL = 1e-9  # change of the growth strain after which, converging quadratically, none is left
+_STILL = 1e-6  # a change of the growth strain after which Newton's method leaves its square
 _MOST_ITERATIONS = 60
 
 
@@ -61,6 +61,7 @@ class GrowthState:
     ) -> None:
         space = dx.quadrature_space(mesh, 2 * len(eps), degree)
         self.eps_g, self.base = dx.fem.Function(space), dx.fem.Function(space)
+        self._trial, self._base = self.eps_g.x.array, self.base.x.array
         self.stage = dx.fem.Constant(mesh, np.float64(0))
         self._mesh, self._cells = mesh, cells
         self._dofs = dx.dof_array(space)[cells]
@@ -98,15 +99,15 @@ class GrowthState:
 
     def get(self) -> Array:
         """Copy of the trial growth strains of the growing cells, ``(cells, points, 2 n)``."""
-        return self.eps_g.x.array[self._dofs]
+        return self._trial[self._dofs]
 
     def set(self, values: Array) -> None:
         """Set the trial growth strains of the growing cells."""
-        self.eps_g.x.array[self._dofs] = values
+        self._trial[self._dofs] = values
 
     def set_base(self, values: Array) -> None:
         """Set the growth strains from which the implicit part of a stage starts."""
-        self.base.x.array[self._dofs] = values
+        self._base[self._dofs] = values
 
     def rate(self) -> Array:
         """Rate of the growth strains in the trial state, 1/min, in the layout of `get`."""
