@@ -168,8 +168,8 @@ def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
 
 def evaluate(expression: Any, mesh: Any, cells: NDArray[np.int32]) -> NDArray[np.float64]:
     """Values of a compiled expression, point after point, shape ``(len(cells), points size)``."""
-    values = expression.eval(mesh, cells) if _NEW_SPACES else expression.eval(cells)
-    return np.asarray(values).reshape(len(cells), -1)
+    values = np.asarray(expression.eval(mesh, cells) if _NEW_SPACES else expression.eval(cells))
+    return values.reshape(len(cells), np.prod(values.shape[1:], dtype=int))  # also of no cells
 
 
 def dof_array(space: Any) -> NDArray[np.int32]:
