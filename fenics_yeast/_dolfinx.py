@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 
 try:
     import basix
+    import petsc4py
+
+    petsc4py.init(["-no_signal_handler"])  # a closed pipe or Ctrl-C is ours to answer
     import dolfinx.fem.petsc
     import dolfinx.mesh
     from dolfinx import fem, la
@@ -52,6 +55,7 @@ __all__ = [
     "quadrature_points",
     "quadrature_space",
     "shell_space",
+    "size_of_second",
 ]
 
 _ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
@@ -120,6 +124,12 @@ def node_dofs(space: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     owned = motion.dofmap.index_map.size_local
     S = motion.tabulate_dof_coordinates()[:owned, 0]
     return S, np.asarray(parent, dtype=np.int32)[: 3 * owned].reshape(-1, 3)
+
+
+def size_of_second(space: Any) -> int:
+    """Number of degrees of freedom of the second sub-space on all ranks."""
+    dofmap = space.sub(1).collapse()[0].dofmap
+    return int(dofmap.index_map.size_global * dofmap.index_map_bs)
 
 
 def quadrature_space(mesh: Any, size: int, degree: int) -> Any:

@@ -30,11 +30,11 @@ class Lines:
     def saved(self, profile: Profile) -> None:
         """Print the line."""
         if self._row is not None:
-            _print(f"{profile.time:8.4g} min   V/V0 = {self._row.volume_ratio:.6f}")
+            _print(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
 
     def summary(self, result: Result, place: str) -> None:
         """Say how the run ended and where its files are."""
-        _print(_ending(result, place))
+        _print(f"{result.status}, see {place}")
 
 
 class ProgressLine:
@@ -91,18 +91,22 @@ class ProgressLine:
         from rich.table import Table
 
         table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-        for heading in ("time (min)", "V/V0", "bud radius (µm)", "neck radius (µm)"):
+        headings = ["time (min)", "V/V0", "height (µm)"]
+        if self._scene.growth is not None:
+            headings += ["bud radius (µm)", "neck radius (µm)"]
+        for heading in headings:
             table.add_column(heading, justify="right")
         for profile in result.profiles:
             row = result.history.at(profile.time)
-            radii = [f"{r:.3f}" if r else "-" for r in (row.bud_radius_um, row.neck_radius_um)]
-            table.add_row(f"{profile.time:.4g}", f"{row.volume_ratio:.6f}", *radii)
+            lengths = (row.pole_height_um, row.bud_radius_um, row.neck_radius_um)
+            cells = [
+                f"{profile.time:.4g}",
+                f"{row.volume_ratio:.6f}",
+                *map("{:.3f}".format, lengths),
+            ]
+            table.add_row(*cells[: len(headings)])
         self._console.print(table)
-        self._console.print(_ending(result, place))
-
-
-def _ending(result: Result, place: str) -> str:
-    return f"{result.status} at {result.end_time:.4g} min, see {place}"
+        self._console.print(f"{result.status}, see {place}")
 
 
 def _print(line: str) -> None:

@@ -127,7 +127,9 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
     """Give what suits the place that the output goes to."""
     from ._terminal import Lines, ProgressLine
 
-    fancy = sys.stdout.isatty() and os.environ.get("TERM") != "dumb"
+    # Open MPI gives every rank a pseudo-terminal, wherever its output goes.
+    fancy = sys.stdout.isatty() and "OMPI_COMM_WORLD_SIZE" not in os.environ
+    fancy = fancy and os.environ.get("TERM") != "dumb"
     return ProgressLine(scene) if fancy else Lines()
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _dolfinx as dx
+from .equations import Equations, use_lu
 from .shell import Shell
 
 Array = NDArray[np.float64]
@@ -43,6 +44,30 @@ class EquilibriumError(RuntimeError):
         self.iterations = iterations
 
 
+def newton(comm: Any, prefix: str, tolerance: float) -> Any:
+    """SNES with Newton's method and line search; done when the residual's norm is small."""
+    snes = dx.PETSc.SNES().create(comm)
+    snes.setOptionsPrefix(prefix)
+    snes.setType("newtonls")
+    snes.setTolerances(rtol=0.0, atol=tolerance, stol=0.0, max_it=_MOST_ITERATIONS)
+    return snes
+
+
+def verdict(snes: Any) -> int:
+    """Newton iterations of a solution that converged.
+
+    Raises
+    ------
+    EquilibriumError
+        With SNES' reason in words where it did not.
+    """
+    reason, iterations = snes.getConvergedReason(), snes.getIterationNumber()
+    if reason > 0:
+        return int(iterations)
+    words = REASONS.get(reason, f"SNES stopped for its reason {reason}")
+    raise EquilibriumError(words, iterations)
+
+
 class Equilibrium:
     """Newton's method with line search for one shell; a context manager.
 
@@ -56,30 +81,15 @@ class Equilibrium:
 
     def __init__(self, shell: Shell, tolerance: float) -> None:
         self._shell = shell
-        self._matrix = dx.create_matrix(shell.tangent)
-        self._x = self._matrix.createVecRight()
-        self._f = self._matrix.createVecLeft()
-        self._assembled = dx.fem.Function(shell.space)
-        self._b, self._w = self._assembled.x.array, shell.w.x.array
-        owned = shell.space.dofmap.index_map.size_local
-        self._held = shell.constrained[shell.constrained < owned]
-        self._owned = owned
-        self.snes = snes = dx.PETSc.SNES().create(shell.comm)
-        snes.setOptionsPrefix("equilibrium_")
-        snes.setType("newtonls")
-        snes.setFunction(self._residual, self._f)
-        snes.setJacobian(self._jacobian, self._matrix)
-        snes.setTolerances(rtol=0.0, atol=tolerance, stol=0.0, max_it=_MOST_ITERATIONS)
-        ksp = snes.getKSP()
-        ksp.setType("preonly")
-        ksp.getPC().setType("lu")
-        serial = shell.comm.size == 1
-        ksp.getPC().setFactorSolverType("petsc" if serial else "mumps")
-        if serial:
-            ksp.getPC().setFactorOrdering("rcm")  # a banded matrix
-            # Without pivoting, no shear (κ = inf) or no bending (one fibre) is a zero pivot.
-            ksp.getPC().setFactorShift(dx.PETSc.Mat.FactorShiftType.NONZERO, 1e-10)
-        snes.setFromOptions()
+        self._equations = equations = Equations(shell)
+        self._x = equations.matrix.createVecRight()
+        self._f = equations.matrix.createVecLeft()
+        self.snes = newton(shell.comm, "equilibrium_", tolerance)
+        self.snes.setFunction(self._residual, self._f)
+        self.snes.setJacobian(self._jacobian, equations.matrix)
+        self._solver = self.snes.getKSP()
+        use_lu(self._solver)
+        self.snes.setFromOptions()
 
     def __enter__(self) -> Equilibrium:
         return self
@@ -89,7 +99,7 @@ class Equilibrium:
 
     def destroy(self) -> None:
         """Free the PETSc objects."""
-        for item in (self.snes, self._matrix, self._x, self._f):
+        for item in (self.snes, self._equations, self._x, self._f):
             item.destroy()
 
     def solve(self) -> int:
@@ -105,31 +115,26 @@ class Equilibrium:
         EquilibriumError
             With SNES' reason in words; displacement and growth are then as before.
         """
-        shell, snes = self._shell, self.snes
-        w = self._w.copy()
-        eps_g = None if shell.growth is None else shell.growth.get()
-        self._x.array[:] = w[: self._owned]
-        snes.solve(None, self._x)
-        reason, iterations = snes.getConvergedReason(), snes.getIterationNumber()
-        if reason > 0:
-            if not np.array_equal(self._w[: self._owned], self._x.array_r):
-                self._load(self._x)
-            return iterations
-        self._w[:] = w
-        if shell.growth is not None and eps_g is not None:
-            shell.growth.set(eps_g)
-        words = REASONS.get(reason, f"SNES stopped for its reason {reason}")
-        raise EquilibriumError(words, iterations)
+        before = self._shell.snapshot()
+        self._x.array[:] = before.w[: self._equations.owned]
+        self.snes.solve(None, self._x)
+        try:
+            iterations = verdict(self.snes)
+        except EquilibriumError:
+            self._shell.restore(before)
+            raise
+        if not self._equations.loaded(self._x.array_r):
+            self._equations.load(self._x.array_r)
+        return iterations
 
     def compliance(self) -> float:
         """Change of volume by pressure `dV/dp` of the trial state at given growth, µm³/MPa.
 
         It grows without bound towards a limit point and is negative beyond it.
         """
-        shell = self._shell
-        dx.assemble_matrix(self._matrix, shell.tangent, shell.conditions)
-        self.snes.getKSP().setOperators(self._matrix)
-        self._assemble(shell.volume_gradient, self._f)
+        self._equations.tangent()
+        self._solver.setOperators(self._equations.matrix)
+        self._equations.assemble(self._shell.volume_gradient, self._f.array)
         return 2 * np.pi * self._volume_response()
 
     def volume_change(self, eps_g: Array) -> float:
@@ -148,46 +153,18 @@ class Equilibrium:
             return 0.0
         accepted = growth.get()
         growth.set(accepted + eps_g)
-        self._assemble(self._shell.residual, self._f)
+        self._equations.assemble(self._shell.residual, self._f.array)
         growth.set(accepted)
         return -2 * np.pi * self._volume_response()
 
     def _volume_response(self) -> float:
         """Volume per 2π that the solution for the force in `_f` displaces."""
-        force = self._f.copy()
-        self.snes.getKSP().solve(force, self._x)
-        self._assemble(self._shell.volume_gradient, force)
-        response = force.dot(self._x)
-        force.destroy()
-        return float(response)
-
-    def _assemble(self, form: Any, vector: Any) -> None:
-        """Assemble a linear form; it is zero where the motion is held."""
-        self._b[:] = 0
-        dx.fem.assemble_vector(self._b, form)
-        dx.accumulate(self._assembled)
-        values = vector.array
-        values[:] = self._b[: self._owned]
-        values[self._held] = 0
-
-    def _load(self, x: Any) -> bool:
-        """Make SNES' iterate the trial state; False if the growth update failed there."""
-        self._w[: self._owned] = x.array_r
-        self._shell.w.x.scatter_forward()
-        growth = self._shell.growth
-        return growth is None or growth.stage.value == 0 or growth.update()
+        self._solver.solve(self._f, self._x)
+        self._equations.assemble(self._shell.volume_gradient, self._f.array)
+        return float(self._f.dot(self._x))
 
     def _residual(self, snes: Any, x: Any, f: Any) -> None:
-        defined = self._load(x)
-        self._assemble(self._shell.residual, f)
-        if not defined:
-            f.array[:] = np.nan
+        self._equations.residual(x.array_r, f.array)
 
     def _jacobian(self, snes: Any, x: Any, J: Any, P: Any) -> None:
-        shell = self._shell
-        if shell.growth is None or shell.growth.stage.value == 0:
-            form = shell.tangent
-        else:
-            shell.growth.differentiate()
-            form = shell.consistent_tangent
-        dx.assemble_matrix(P, form, shell.conditions)
+        self._equations.tangent()

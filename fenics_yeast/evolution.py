@@ -10,31 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .equilibrium import Equilibrium, EquilibriumError
-from .integrators import Tableau
-from .shell import Shell
+from .integrators import TABLEAUX, Tableau
+from .shell import Shell, Snapshot
+from .volume_control import VolumeControl
 
 Array = NDArray[np.float64]
 
+LIMIT_POINT = TABLEAUX["sdirk3"]  # steps in volume, whatever method is used in time
 _MEMORY = 3  # solved states through which the start of the next solution is extrapolated
 
 
 @dataclass(frozen=True)
 class State:
-    """An accepted state: all that the next step starts from.
-
-    Attributes
-    ----------
-    time
-        Time in min.
-    w
-        Local coefficients of displacement, rotation and shear force.
-    eps_g
-        Growth strains of the local growing cells; None for an elastic wall.
-    """
+    """An accepted state: all that the next step starts from; time in min."""
 
     time: float
-    w: Array
-    eps_g: Array | None
+    wall: Snapshot
 
 
 @dataclass(frozen=True)
@@ -95,7 +86,7 @@ class Evolution:
         self.shell.pressure.value = self.pressure(0.0)
         iterations = self._equilibrium.solve()
         self.state = self._capture(0.0)
-        self._recent.append((0.0, self.state.w))
+        self._recent.append((0.0, self.state.wall.w))
         return iterations
 
     def step(self, end: float) -> Step:
@@ -125,6 +116,58 @@ class Evolution:
             self.reject()
             raise
 
+    def attempt_volume(self, control: VolumeControl, volume: float, dt: float) -> tuple[int, float]:
+        """Go to a larger volume, in whatever time that takes, on a trial copy of the state.
+
+        The method is that of `step` with the volume in the place of time: near a limit point,
+        where the volume grows ever faster in time, time is a smooth function of the volume.
+
+        Parameters
+        ----------
+        control
+            Solver with the stage's length as its unknown.
+        volume
+            Volume to reach in µm³.
+        dt
+            First guess of the time in min.
+
+        Returns
+        -------
+        tuple
+            Newton iterations, and the time taken in min; not positive past the limit point.
+
+        Raises
+        ------
+        EquilibriumError
+            If a stage has no solution; the trial is then rejected already.
+        """
+        growth, accepted = self.shell.growth, self.state.wall.eps_g
+        if growth is None or accepted is None:
+            raise ValueError("an elastic wall does not change in time")
+        self._before = list(self._recent)
+        start = self.shell.volume()
+        A, c = LIMIT_POINT.A, LIMIT_POINT.c
+        durations: list[float] = []
+        changes: list[Array] = []  # of the growth strains, as over the whole step
+        iterations = 0
+        try:
+            for i in range(len(c)):
+                base = accepted + sum(a * k for a, k in zip(A[i], changes, strict=False))
+                growth.stage.value = A[i, i] * (durations[-1] if durations else dt)
+                growth.set_base(base)
+                growth.set(base + A[i, i] * changes[-1] if changes else base)
+                iterations += control.solve(start + c[i] * (volume - start))
+                durations.append(float(growth.stage.value) / A[i, i])
+                changes.append((growth.get() - base) / A[i, i])
+                if durations[-1] <= 0:
+                    return iterations, durations[-1]
+        except BaseException:
+            self.reject()
+            raise
+        finally:
+            growth.stage.value = 0.0
+        return iterations, float(A[-1] @ durations)
+
     def accept(self, time: float) -> None:
         """Make the trial the accepted state."""
         self.state = self._capture(time)
@@ -138,17 +181,19 @@ class Evolution:
     def forget(self) -> None:
         """Do not extrapolate over what came before: the load has a kink here."""
         self._recent.clear()
-        self._recent.append((self.state.time, self.state.w))
+        self._recent.append((self.state.time, self.state.wall.w))
 
     def _stages(self, end: float) -> Step:
         growth, start = self.shell.growth, self.state.time
-        if growth is None or self.state.eps_g is None:
+        if growth is None or self.state.wall.eps_g is None:
             return Step(self._solve(end), 0.0)
         dt, A, c = end - start, self._tableau.A, self._tableau.c
         rates: list[Array] = []
         iterations = 0
         for i in range(len(c)):
-            base = self.state.eps_g + dt * sum(a * k for a, k in zip(A[i], rates, strict=False))
+            base = self.state.wall.eps_g + dt * sum(
+                a * k for a, k in zip(A[i], rates, strict=False)
+            )
             if i > 0 or A[i, i] > 0:
                 growth.stage.value = A[i, i] * dt
                 growth.set_base(base)
@@ -171,7 +216,7 @@ class Evolution:
             iterations = self._equilibrium.solve()
         except EquilibriumError as error:
             spent = error.iterations
-            self.shell.w.x.array[:] = self.state.w
+            self.shell.w.x.array[:] = self.state.wall.w
             try:
                 iterations = self._equilibrium.solve()
             except EquilibriumError as again:
@@ -182,20 +227,17 @@ class Evolution:
     def _extrapolated(self, time: float) -> Array:
         """Value at a time of the polynomial through the last solutions."""
         times = [t for t, _ in self._recent]
-        start = np.zeros_like(self.state.w)
+        start = np.zeros_like(self.state.wall.w)
         for i, (t, w) in enumerate(self._recent):
             others = [s for j, s in enumerate(times) if j != i]
             start += w * np.prod([(time - s) / (t - s) for s in others])
         return start
 
     def _capture(self, time: float) -> State:
-        growth = self.shell.growth
-        eps_g = None if growth is None else growth.get()
-        return State(time, self.shell.w.x.array.copy(), eps_g)
+        return State(time, self.shell.snapshot())
 
     def _restore(self) -> None:
-        self.shell.w.x.array[:] = self.state.w
+        self.shell.restore(self.state.wall)
         self.shell.pressure.value = self.pressure(self.state.time)
-        if self.shell.growth is not None and self.state.eps_g is not None:
+        if self.shell.growth is not None:
             self.shell.growth.stage.value = 0.0
-            self.shell.growth.set(self.state.eps_g)

@@ -132,10 +132,18 @@ class GrowthState:
         a = [self._strain_sensitivity[4 * j + i] for i in range(4)]
         return ufl.as_vector([a[0] * d_eps[0] + a[1] * d_eps[1], a[2] * d_eps[0] + a[3] * d_eps[1]])
 
+    def lengthened(self, j: int) -> Any:
+        """Change of the growth strains at thickness point j with the stage's length, in UFL."""
+        return ufl.as_vector([self._stage_sensitivity[2 * j + i] for i in range(2)])
+
     def differentiate(self) -> None:
         """Bring `followed`, the derivative of the update by the strain, up to the trial state."""
         values = self._evaluate(self._by_strain)
         self._strain_sensitivity.x.array[self._strain_dofs] = values
+
+    def differentiate_by_stage(self) -> None:
+        """Bring `lengthened`, the derivative of the update by the stage, up to the trial state."""
+        self._stage_sensitivity.x.array[self._dofs] = self._evaluate(self._by_stage)
 
     def _evaluate(self, expression: Any) -> Array:
         return dx.evaluate(expression, self._mesh, self._cells)

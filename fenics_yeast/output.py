@@ -123,7 +123,7 @@ class OutputFolder:
         """Make the folder, or clear it of the files of an earlier run."""
         ours = [self.path / name for name in (_SCENE, _HISTORY, _PROFILES, _RUN)]
         found = [file.name for file in ours if file.exists()]
-        if found and not {_SCENE, _HISTORY} <= set(found):
+        if found and (_SCENE not in found or len(found) == 1):
             raise OutputError(
                 f"{self.path}: holds a {found[0]} that no run has left; choose another folder"
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,24 @@ from .meridian import Discretisation
 Array = NDArray[np.float64]
 
 _ELASTIC, _GROWING = 0, 1
+# Keeps the pivots of the shear force off zero; V/V0 is that of γ = 0 to 10 digits from here on.
+_LARGEST_PENALTY = 1e8
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Copy of the state of a shell.
+
+    Attributes
+    ----------
+    w
+        Local coefficients of displacement, rotation and shear force, ghosts among them.
+    eps_g
+        Growth strains of the local growing cells; None for an elastic wall.
+    """
+
+    w: Array
+    eps_g: Array | None
 
 
 class Shell:
@@ -40,7 +59,7 @@ class Shell:
     thickness_points
         Number of Gauss points through the thickness.
     thickness, shear_modulus, shear_penalty
-        `h` in µm, μ in MPa, κ; an infinite κ holds `γ = 0` itself.
+        `h` in µm, μ in MPa, κ; an infinite κ holds `γ = 0`.
     energy
         Strain energy ψ of the elastic logarithmic strains.
     growth_law
@@ -63,9 +82,9 @@ class Shell:
         Compiled derivative of Π by the state; its second derivative at given growth, which is
         symmetric; derivative of the enclosed volume per 2π, which is minus that of the residual
         by the pressure.
-    consistent_tangent
-        Compiled derivative of the residual when growth follows the strain in its stage; None for
-        an elastic wall.
+    consistent_tangent, stage_force
+        Compiled derivatives of the residual, by the state and by the stage's length, when growth
+        follows the strain in its stage; None for an elastic wall.
     conditions, constrained
         Conditions at the poles, all homogeneous, and their local degrees of freedom.
     """
@@ -91,7 +110,8 @@ class Shell:
         self.w = dx.fem.Function(self.space)
         self.pressure = self._constant(0.0)
         self._h = self._constant(thickness)
-        self._compliance = self._constant(1 / (shear_penalty * shear_modulus * thickness))
+        penalty = min(shear_penalty, _LARGEST_PENALTY)
+        self._compliance = self._constant(1 / (penalty * shear_modulus * thickness))
         self.energy = energy.on(mesh)
         self._zeta, self._weights = np.polynomial.legendre.leggauss(thickness_points)
         self.xi: Array = self._zeta * thickness / 2
@@ -193,7 +213,7 @@ class Shell:
         dD_E = ufl.derivative(d_E, self.w, dw)
         lagrangian = (self._Q * self._gamma - self._Q**2 * self._compliance / 2) * self._R
         lagrangian -= self.pressure * self._enclosed
-        residual, tangent, followed = 0, 0, 0
+        residual, tangent, followed, lengthened = 0, 0, 0, 0
         regions: list[tuple[int, list[Any]]] = [(_ELASTIC, [])]
         if self.growth is not None:
             eps_g = [ufl.variable(self.growth.strain(j)) for j in range(len(self.eps))]
@@ -212,14 +232,17 @@ class Shell:
                     follow = self.growth.followed(j, ufl.diff(eps, self._E) * D_E)
                     change = ufl.diff(resultants, eps_g[j]) * follow
                     followed += ufl.dot(d_E, change) * self._R * dS
+                    change = ufl.diff(resultants, eps_g[j]) * self.growth.lengthened(j)
+                    lengthened += ufl.dot(d_E, change) * self._R * dS
         enclosed = self._enclosed * self._dS
         self.residual = dx.compile_form(residual)
         self.tangent = dx.compile_form(tangent)
         self.volume_gradient = dx.compile_form(ufl.derivative(enclosed, self.w, v))
         self._volume = dx.compile_form(2 * np.pi * enclosed)
-        self.consistent_tangent = self._dissipation = None
+        self.consistent_tangent = self.stage_force = self._dissipation = None
         if self.growth is not None:
             self.consistent_tangent = dx.compile_form(tangent + followed)
+            self.stage_force = dx.compile_form(lengthened)
             self._dissipation = self._compile_dissipation(self.growth)
 
     @property
@@ -235,6 +258,17 @@ class Shell:
         return dx.compile_form(2 * np.pi * total * self._dS(_GROWING))
 
     # --- state and functionals ------------------------------------------------------------
+
+    def snapshot(self) -> Snapshot:
+        """Copy of the trial state."""
+        eps_g = None if self.growth is None else self.growth.get()
+        return Snapshot(self.w.x.array.copy(), eps_g)
+
+    def restore(self, state: Snapshot) -> None:
+        """Make a copy the trial state again."""
+        self.w.x.array[:] = state.w
+        if self.growth is not None and state.eps_g is not None:
+            self.growth.set(state.eps_g)
 
     def volume(self) -> float:
         """Volume enclosed by the mid-surface in the trial state, µm³."""

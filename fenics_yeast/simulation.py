@@ -13,14 +13,16 @@ from .equilibrium import Equilibrium, EquilibriumError
 from .evolution import Evolution, Step
 from .integrators import TABLEAUX
 from .laws import Law
+from .limit_point import Approach, approach
 from .meridian import discretise
 from .probe import Probe
 from .record import History, Observer, Profile, Profiles, Result, Row, Status, Timings
 from .scene import Scene
 from .shell import Shell
+from .stability import Stability
 from .time_steps import TimeSteps
 
-_SOFT = 20.0  # growth of the cell's compliance that marks a limit point
+_FAILURES = 2  # failed steps in a row after which a limit point is looked for
 _FIRST_STEP = 1e-3  # of the characteristic time of growth, where steps are adaptive
 _SLOW = 0.02  # rate V'/V0 of growth, times its characteristic time, below which it counts as slow
 
@@ -96,8 +98,11 @@ class _Run:
         """Run to the end, or to what ends the run."""
         numerics = self._scene.numerics
         self._tableau = TABLEAUX[numerics.integrator]
-        precision = 1e-9 if numerics.step else min(1e-5, 0.05 * numerics.tolerance)
-        with Equilibrium(self._shell, precision * self._force()) as self._equilibrium:
+        self._precision = 1e-9 if numerics.step else min(1e-5, 0.05 * numerics.tolerance)
+        with (
+            Equilibrium(self._shell, self._precision * self._force()) as self._equilibrium,
+            Stability(self._shell) as self._stability,
+        ):
             pressure = turgor(self._scene)
             self._evolution = Evolution(self._shell, self._equilibrium, self._tableau, pressure)
             setup = perf_counter() - self._began - self._timings.compile_s
@@ -132,7 +137,6 @@ class _Run:
         except EquilibriumError as error:
             self._iterations += error.iterations
             return self._lost("the wall finds no equilibrium under its pressure", error)
-        first_compliance = self._equilibrium.compliance()
         if run is None:
             self._save()
             return "finished", "equilibrium found"
@@ -142,26 +146,24 @@ class _Run:
             try:
                 step = evolution.attempt(end)
             except EquilibriumError as error:
-                self._rejected += 1
-                self._iterations += error.iterations
+                self._reject(error.iterations)
                 steps.failed()
                 if steps.exhausted:
-                    self._keep_last()
-                    softer = self._equilibrium.compliance() / first_compliance
-                    if softer > _SOFT or softer < 0:
-                        return "no-equilibrium", (
-                            f"beyond {self._time:.2f} min no equilibrium exists: the wall has grown "
-                            "so soft that it can no longer carry the turgor"
-                        )
-                    return "failed", (
-                        f"no step beyond {self._time:g} min, however small, converged: {error}"
-                    )
+                    return self._failed(error)
+                if steps.failures >= _FAILURES and self._time >= ramp and self._meets_limit(end):
+                    return self._limit()
                 continue
             start, volume = self._time, self._shell.volume()
+            if self._stability.falling() > 0:
+                evolution.reject()
+                self._reject(step.iterations)
+                steps.failed()
+                if self._meets_limit(end):
+                    return self._limit()
+                continue
             if not steps.judge(self._badness(step, end - start, volume)):
                 evolution.reject()
-                self._rejected += 1
-                self._iterations += step.iterations
+                self._reject(step.iterations)
                 continue
             evolution.accept(end)
             if end == ramp:
@@ -170,6 +172,34 @@ class _Run:
             if end in run.save:
                 self._save()
         return "finished", f"reached {run.end:g} min"
+
+    def _meets_limit(self, end: float) -> bool:
+        """Whether the wall loses its equilibrium on the way to a time, followed by volume."""
+        before = self._rows[-2] if len(self._rows) > 1 else self._rows[-1]
+        grown = self._rows[-1].volume_um3 - before.volume_um3
+        if self._shell.growth is None or grown <= 0:
+            return False
+        rate = grown / self._rows[-1].step_min
+        tolerance = self._precision * self._force()
+        verdict, spent = approach(self._evolution, tolerance, rate, end, self._accept)
+        self._iterations += spent
+        return verdict is Approach.LIMIT
+
+    def _limit(self) -> tuple[Status, str]:
+        self._keep_last()
+        ratio = self._rows[-1].volume_ratio
+        return "no-equilibrium", (
+            f"beyond {self._time:.2f} min, at V/V0 = {ratio:.4f}, there is no equilibrium: "
+            "the wall has grown so soft that it can no longer carry the turgor"
+        )
+
+    def _failed(self, error: EquilibriumError) -> tuple[Status, str]:
+        self._keep_last()
+        return "failed", f"no step beyond {self._time:g} min, however small, converged: {error}"
+
+    def _reject(self, iterations: int) -> None:
+        self._rejected += 1
+        self._iterations += iterations
 
     def _time_steps(self, milestones: list[float]) -> TimeSteps:
         """Fixed steps, or steps that follow the estimated error of growth."""

@@ -24,6 +24,8 @@ class TimeSteps:
     step
         Length of the first step, in min, to which later ones go back after a cut; where errors
         are estimated, only that of the first one.
+    failures
+        Steps in a row that found no equilibrium.
     order
         Order of the estimated error in the step; None: fixed steps.
     """
@@ -35,6 +37,7 @@ class TimeSteps:
         self._least = step * _LEAST
         self._order = order
         self._last_error = 1.0
+        self.failures = 0
 
     def propose(self, time: float) -> float | None:
         """End of the next step from a time; None at the end of the run."""
@@ -57,6 +60,7 @@ class TimeSteps:
 
         The next step follows from it, by a proportional-integral controller.
         """
+        self.failures = 0
         if self._order is None:
             self._wanted = min(self._fixed, 2 * self._wanted)
             return True
@@ -71,4 +75,5 @@ class TimeSteps:
 
     def failed(self) -> None:
         """Cut the step that found no equilibrium."""
+        self.failures += 1
         self._wanted = _CUT * self._taken

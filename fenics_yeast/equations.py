@@ -1,0 +1,91 @@
+"""The discrete equations of a shell in PETSc: residual, tangent and the linear solver for them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import _dolfinx as dx
+from .growth_state import GrowthState
+from .shell import Shell
+
+
+class Equations:
+    """Residual and tangent of a shell as functions of a PETSc vector of its unknowns.
+
+    Where the stage of the growth state has a length, growth follows the strain: the residual
+    solves for it at every point, and the tangent is the consistent one.
+
+    Attributes
+    ----------
+    matrix
+        The tangent of the last call.
+    owned
+        Number of unknowns of this rank.
+    """
+
+    def __init__(self, shell: Shell) -> None:
+        self.shell = shell
+        self.matrix = dx.create_matrix(shell.tangent)
+        self._assembled = dx.fem.Function(shell.space)
+        self._b, self._w = self._assembled.x.array, shell.w.x.array
+        self.owned = shell.space.dofmap.index_map.size_local
+        self._held = shell.constrained[shell.constrained < self.owned]
+
+    def destroy(self) -> None:
+        """Free the matrix."""
+        self.matrix.destroy()
+
+    def _following(self) -> GrowthState | None:
+        """The growth state if growth follows the strain in a stage."""
+        growth = self.shell.growth
+        return None if growth is None or growth.stage.value == 0 else growth
+
+    def load(self, values: Any) -> bool:
+        """Make values of the owned unknowns the trial state; False if growth cannot follow."""
+        self._w[: self.owned] = values
+        self.shell.w.x.scatter_forward()
+        growth = self._following()
+        return growth is None or growth.update()
+
+    def loaded(self, values: Any) -> bool:
+        """Whether these are the values of the trial state on this rank."""
+        return np.array_equal(self._w[: self.owned], values)
+
+    def residual(self, values: Any, out: Any) -> None:
+        """Residual at values of the owned unknowns; not a number where growth cannot follow."""
+        defined = self.load(values)
+        self.assemble(self.shell.residual, out)
+        if not defined:
+            out[:] = np.nan
+
+    def tangent(self) -> None:
+        """Bring the matrix up to the trial state."""
+        shell, growth, form = self.shell, self._following(), self.shell.tangent
+        if growth is not None:
+            growth.differentiate()
+            form = shell.consistent_tangent
+        dx.assemble_matrix(self.matrix, form, shell.conditions)
+
+    def assemble(self, form: Any, out: Any) -> None:
+        """Values of a linear form for the owned unknowns; zero where the motion is held."""
+        self._b[:] = 0
+        dx.fem.assemble_vector(self._b, form)
+        dx.accumulate(self._assembled)
+        out[:] = self._b[: self.owned]
+        out[self._held] = 0
+
+
+def use_lu(solver: Any) -> None:
+    """Make a KSP a direct solver: PETSc's own on one rank, MUMPS on several."""
+    solver.setType("preonly")
+    factors = solver.getPC()
+    factors.setType("lu")
+    if solver.getComm().getSize() > 1:
+        factors.setFactorSolverType("mumps")
+        return
+    factors.setFactorSolverType("petsc")
+    factors.setFactorOrdering("rcm")  # a banded matrix
+    # Without pivoting, a wall without bending (one fibre) is a zero pivot.
+    factors.setFactorShift(dx.PETSc.Mat.FactorShiftType.NONZERO, 1e-10)

@@ -1,0 +1,86 @@
+"""The approach to a limit point of growth, beyond which the wall finds no equilibrium."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+
+from .equilibrium import EquilibriumError
+from .evolution import Evolution
+from .volume_control import VolumeControl
+
+_SHARPNESS = 2e-5  # of the time: how near the limit point is found
+_LARGEST_STEP = 0.02  # of the volume
+_LEAST_STEP = 1e-7
+_MOST_STEPS = 40
+
+
+class Approach(Enum):
+    """How an approach ended."""
+
+    LIMIT = "the limit point was found"
+    MILESTONE = "time came to a milestone; no limit point so far"
+    STUCK = "no step in volume converged either"
+
+
+def approach(
+    evolution: Evolution,
+    tolerance: float,
+    growth_rate: float,
+    milestone: float,
+    accepted: Callable[[int, float], None],
+) -> tuple[Approach, int]:
+    """Step in volume, with time as an unknown, until time no longer goes on.
+
+    Parameters
+    ----------
+    evolution
+        The wall at its accepted state, under constant pressure.
+    tolerance
+        Norm of the residual in µN at which it counts as zero.
+    growth_rate
+        Rate of the volume at the accepted state in µm³/min, positive.
+    milestone
+        Time in min that must not be passed.
+    accepted
+        Is told the Newton iterations and the length in min of each accepted step.
+
+    Returns
+    -------
+    tuple
+        How it ended, and the iterations of rejected steps.
+    """
+    shell = evolution.shell
+    if shell.growth is None:
+        raise ValueError("an elastic wall does not change in time")
+    spent = 0
+    largest = _LARGEST_STEP * shell.volume()
+    change = 0.25 * largest
+    with VolumeControl(shell, shell.growth.stage, tolerance) as control:
+        for _ in range(_MOST_STEPS):
+            start, volume = evolution.state.time, shell.volume()
+            try:
+                guess = change / growth_rate
+                iterations, dt = evolution.attempt_volume(control, volume + change, guess)
+            except EquilibriumError as error:
+                spent += error.iterations
+                change /= 4
+                if change < _LEAST_STEP * volume:
+                    return Approach.STUCK, spent
+                continue
+            if dt <= 0:
+                evolution.reject()
+                spent += iterations
+                # Time is a parabola of the volume here: half of what it could still gain.
+                if change / growth_rate < _SHARPNESS * start:
+                    return Approach.LIMIT, spent
+                change /= 2
+                continue
+            if start + dt > milestone:
+                evolution.reject()
+                return Approach.MILESTONE, spent + iterations
+            evolution.accept(start + dt)
+            accepted(iterations, dt)
+            growth_rate = change / dt
+            change = min(1.5 * change, largest)
+    return Approach.STUCK, spent

@@ -1,0 +1,40 @@
+"""Stability of an equilibrium: the inertia of the tangent at given growth and pressure."""
+
+from __future__ import annotations
+
+from . import _dolfinx as dx
+from .shell import Shell
+
+
+class Stability:
+    """Counts the directions in which the potential of a shell falls; a context manager.
+
+    The shear force is a multiplier in the mixed potential: each of its unknowns gives the tangent
+    one negative eigenvalue. A state is stable if there are no more. Only axisymmetric
+    perturbations are seen.
+    """
+
+    def __init__(self, shell: Shell) -> None:
+        self._shell = shell
+        self._matrix = dx.create_matrix(shell.tangent)
+        self._matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
+        self._multipliers = dx.size_of_second(shell.space)
+        self._solver = dx.PETSc.PC().create(shell.comm)
+        self._solver.setOperators(self._matrix)
+        self._solver.setType("cholesky")
+        serial = shell.comm.size == 1
+        self._solver.setFactorSolverType("petsc" if serial else "mumps")
+
+    def __enter__(self) -> Stability:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._solver.destroy()
+        self._matrix.destroy()
+
+    def falling(self) -> int:
+        """Number of independent directions in which the potential falls; 0 where stable."""
+        dx.assemble_matrix(self._matrix, self._shell.tangent, self._shell.conditions)
+        self._solver.setUp()
+        negative, _, _ = self._solver.getFactorMatrix().getInertia()
+        return int(negative) - self._multipliers

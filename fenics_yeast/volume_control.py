@@ -1,0 +1,147 @@
+"""Equilibrium at a prescribed volume: what loads the wall, pressure or time, is an unknown.
+
+Past a limit point there is no equilibrium at a higher pressure, or at a later time of growth; but
+the volume still goes on, and leads the solution over the top.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import _dolfinx as dx
+from .equations import Equations, use_lu
+from .equilibrium import EquilibriumError, newton, verdict
+from .shell import Shell
+
+_PRECISION = 1e-9  # of the volume, relative
+
+
+class VolumeControl:
+    """Newton's method for the state and one parameter of the load; a context manager.
+
+    The tangent is bordered by a row and a column. They are eliminated by blocks, with two
+    solutions of the plain tangent, so that no dense row is stored.
+
+    Parameters
+    ----------
+    shell
+        The wall; the solver moves its trial state.
+    parameter
+        The unknown beside the state: `shell.pressure`, or the stage of `shell.growth`.
+    tolerance
+        Norm of the residual in µN at which it counts as zero.
+    """
+
+    def __init__(self, shell: Shell, parameter: Any, tolerance: float) -> None:
+        self._shell, self._parameter = shell, parameter
+        by_pressure = parameter is shell.pressure
+        self._growth = None if by_pressure else shell.growth
+        self._equations = equations = Equations(shell)
+        self._weight = tolerance / (_PRECISION * shell.volume())
+        self._target = 0.0
+        self._root = shell.comm.rank == 0
+        vector = equations.matrix.createVecRight
+        self._a, self._b, self._column, self._row = (vector() for _ in range(4))
+        size = equations.owned + self._root  # rank 0 owns the parameter
+        self._x = dx.PETSc.Vec().createMPI((size, None), comm=shell.comm)
+        self._f = self._x.duplicate()
+        sizes = (self._x.getSizes(), self._x.getSizes())
+        self._bordered = dx.PETSc.Mat().createPython(sizes, context=self, comm=shell.comm)
+        self._bordered.setUp()
+        self._solver = dx.PETSc.KSP().create(shell.comm)
+        self._solver.setOperators(equations.matrix)
+        use_lu(self._solver)
+        self.snes = newton(shell.comm, "volume_control_", tolerance)
+        self.snes.setFunction(self._residual, self._f)
+        self.snes.setJacobian(self._jacobian, self._bordered)
+        outer = self.snes.getKSP()
+        outer.setType("preonly")
+        outer.getPC().setType("python")
+        outer.getPC().setPythonContext(self)
+        self.snes.setFromOptions()
+
+    def __enter__(self) -> VolumeControl:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for item in (self.snes, self._solver, self._bordered, self._equations, self._x, self._f,
+                     self._a, self._b, self._column, self._row):  # fmt: skip
+            item.destroy()
+
+    def solve(self, volume: float) -> int:
+        """Move trial state and parameter into the equilibrium of a given volume in µm³.
+
+        Returns
+        -------
+        int
+            Newton iterations.
+
+        Raises
+        ------
+        EquilibriumError
+            With SNES' reason in words; state, growth and parameter are then as before.
+        """
+        before, value = self._shell.snapshot(), float(self._parameter.value)
+        self._target = volume
+        x = self._x.array
+        x[: self._equations.owned] = before.w[: self._equations.owned]
+        x[self._equations.owned :] = value
+        self.snes.solve(None, self._x)
+        try:
+            iterations = verdict(self.snes)
+        except EquilibriumError:
+            self._parameter.value = value
+            self._shell.restore(before)
+            raise
+        state, self._parameter.value = self._parts(self._x)
+        self._equations.load(state)
+        return iterations
+
+    def _parts(self, x: Any) -> tuple[Any, float]:
+        """State and parameter of an extended vector."""
+        values = x.array_r
+        parameter = self._shell.comm.bcast(values[-1] if self._root else None)
+        return values[: self._equations.owned], float(parameter)
+
+    def _residual(self, snes: Any, x: Any, f: Any) -> None:
+        state, self._parameter.value = self._parts(x)
+        out = f.array
+        self._equations.residual(state, out[: self._equations.owned])
+        out[self._equations.owned :] = self._weight * (self._shell.volume() - self._target)
+
+    def _jacobian(self, snes: Any, x: Any, J: Any, P: Any) -> None:
+        shell, equations = self._shell, self._equations
+        equations.tangent()
+        self._solver.setOperators(equations.matrix)
+        equations.assemble(shell.volume_gradient, self._row.array)
+        if self._growth is None:
+            self._column.array[:] = -self._row.array_r
+        else:
+            self._growth.differentiate_by_stage()
+            equations.assemble(shell.stage_force, self._column.array)
+        self._row.scale(2 * np.pi * self._weight)
+        self._solver.solve(self._column, self._b)
+
+    def mult(self, matrix: Any, x: Any, y: Any) -> None:
+        """Product of the bordered tangent, which the line search asks for."""
+        state, parameter = self._parts(x)
+        self._a.array[:] = state
+        last = self._row.dot(self._a)
+        out, product = y.array, self._equations.matrix * self._a
+        out[: self._equations.owned] = product.array_r + parameter * self._column.array_r
+        out[self._equations.owned :] = last
+        product.destroy()
+
+    def apply(self, pc: Any, x: Any, y: Any) -> None:
+        """Solution with the bordered tangent, by blocks."""
+        force, last = self._parts(x)
+        product = self._a.duplicate()
+        product.array[:] = force
+        self._solver.solve(product, self._a)
+        change = (self._row.dot(self._a) - last) / self._row.dot(self._b)
+        out = y.array
+        out[: self._equations.owned] = self._a.array_r - change * self._b.array_r
+        out[self._equations.owned :] = change
+        product.destroy()
