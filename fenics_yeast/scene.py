@@ -412,9 +412,12 @@ def parse_assignment(text: str) -> tuple[str, object]:
 
 
 def parse_value(text: str) -> object:
-    """Read `text` as a TOML value, or as a plain string where it is none (``30 min``)."""
+    """Read `text` as a TOML value, as a number (``1000.``) or as a plain string (``30 min``)."""
     try:
         values = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
-        return text
+        try:
+            return float(text)
+        except ValueError:
+            return text
     return values["value"] if len(values) == 1 else text
