@@ -1,7 +1,8 @@
-"""Equilibrium at a prescribed volume: what loads the wall, pressure or time, is an unknown.
+"""Equilibrium where what loads the wall, pressure or time, is an unknown beside the state.
 
 Past a limit point there is no equilibrium at a higher pressure, or at a later time of growth; but
-the volume still goes on, and leads the solution over the top.
+the volume still goes on, and leads the solution over the top. What is prescribed instead of the
+load is the volume, or a weighted sum of volume and load, as in steps along an arc of the path.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ class VolumeControl:
         self._growth = None if by_pressure else shell.growth
         self._equations = equations = Equations(shell)
         self._weight = tolerance / (_PRECISION * shell.volume())
-        self._target = 0.0
+        self._target = self._by_parameter = 0.0
+        self._by_volume = 1.0
         self._root = shell.comm.rank == 0
         vector = equations.matrix.createVecRight
         self._a, self._b, self._column, self._row = (vector() for _ in range(4))
@@ -70,8 +72,16 @@ class VolumeControl:
                      self._a, self._b, self._column, self._row):  # fmt: skip
             item.destroy()
 
-    def solve(self, volume: float) -> int:
+    def solve(self, target: float, by_volume: float = 1.0, by_parameter: float = 0.0) -> int:
         """Move trial state and parameter into the equilibrium of a given volume in µm³.
+
+        Parameters
+        ----------
+        target
+            What the weighted sum of volume and parameter shall be; with the weights left out,
+            the volume in µm³.
+        by_volume, by_parameter
+            The weights.
 
         Returns
         -------
@@ -84,7 +94,7 @@ class VolumeControl:
             With SNES' reason in words; state, growth and parameter are then as before.
         """
         before, value = self._shell.snapshot(), float(self._parameter.value)
-        self._target = volume
+        self._target, self._by_volume, self._by_parameter = target, by_volume, by_parameter
         x = self._x.array
         x[: self._equations.owned] = before.w[: self._equations.owned]
         x[self._equations.owned :] = value
@@ -106,10 +116,12 @@ class VolumeControl:
         return values[: self._equations.owned], float(parameter)
 
     def _residual(self, snes: Any, x: Any, f: Any) -> None:
-        state, self._parameter.value = self._parts(x)
+        state, parameter = self._parts(x)
+        self._parameter.value = parameter
         out = f.array
         self._equations.residual(state, out[: self._equations.owned])
-        out[self._equations.owned :] = self._weight * (self._shell.volume() - self._target)
+        reached = self._by_volume * self._shell.volume() + self._by_parameter * parameter
+        out[self._equations.owned :] = self._weight * (reached - self._target)
 
     def _jacobian(self, snes: Any, x: Any, J: Any, P: Any) -> None:
         shell, equations = self._shell, self._equations
@@ -121,14 +133,14 @@ class VolumeControl:
         else:
             self._growth.differentiate_by_stage()
             equations.assemble(shell.stage_force, self._column.array)
-        self._row.scale(2 * np.pi * self._weight)
+        self._row.scale(2 * np.pi * self._weight * self._by_volume)
         self._solver.solve(self._column, self._b)
 
     def mult(self, matrix: Any, x: Any, y: Any) -> None:
         """Product of the bordered tangent, which the line search asks for."""
         state, parameter = self._parts(x)
         self._a.array[:] = state
-        last = self._row.dot(self._a)
+        last = self._row.dot(self._a) + self._weight * self._by_parameter * parameter
         out, product = y.array, self._equations.matrix * self._a
         out[: self._equations.owned] = product.array_r + parameter * self._column.array_r
         out[self._equations.owned :] = last
@@ -140,7 +152,8 @@ class VolumeControl:
         product = self._a.duplicate()
         product.array[:] = force
         self._solver.solve(product, self._a)
-        change = (self._row.dot(self._a) - last) / self._row.dot(self._b)
+        corner = self._weight * self._by_parameter
+        change = (self._row.dot(self._a) - last) / (self._row.dot(self._b) - corner)
         out = y.array
         out[: self._equations.owned] = self._a.array_r - change * self._b.array_r
         out[self._equations.owned :] = change
