@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import ufl
 from numpy.typing import NDArray
@@ -15,6 +17,17 @@ from .shell import Shell
 Array = NDArray[np.float64]
 
 
+class Sizes(NamedTuple):
+    """Height of the top pole above the bottom pole, largest radius of the growing zone, radius at
+    its edge, in µm, and the largest growth strain; 0 for what the wall has not.
+    """
+
+    pole_height: float
+    bud_radius: float
+    neck_radius: float
+    max_growth_strain: float
+
+
 class Probe:
     """Reads the trial state of a shell; every method is collective over its communicator."""
 
@@ -25,12 +38,19 @@ class Probe:
         self._R, self._Z = curve.radius(self._S), curve.height(self._S)
         self._Phi = curve.angle(self._S)
         near = 1e-9 * curve.length
-        self._top = np.abs(self._S - curve.length) < near
-        self._edge = self._bud = np.zeros(len(self._S), dtype=bool)
+        top = np.abs(self._S - curve.length) < near
+        edge = bud = np.zeros(len(self._S), dtype=bool)
         if zone is not None:
-            self._bud = (zone.start - near < self._S) & (self._S < zone.end + near)
+            bud = (zone.start - near < self._S) & (self._S < zone.end + near)
             ends = [s for s in (zone.start, zone.end) if near < s < curve.length - near]
-            self._edge = np.any([np.abs(self._S - s) < near for s in ends], axis=0) & self._bud
+            edge = np.any([np.abs(self._S - s) < near for s in ends], axis=0) & bud
+        # Of each quantity: reference values at the nodes that count, and their displacements.
+        self._watched = [
+            (self._Z[top] - curve.height(np.zeros(1)), self._dofs[top, 1]),
+            (self._R[bud], self._dofs[bud, 0]),
+            (self._R[edge], self._dofs[edge, 0]),
+        ]
+        self._w = shell.w.x.array
         owned = shell.mesh.topology.index_map(1).size_local
         self._cells = np.arange(owned, dtype=np.int32)
         self._fields = dx.compile_expression(
@@ -48,34 +68,15 @@ class Probe:
             values += [vector[i] for vector in (eps, sigma, eps_g) for i in range(2)]
         return ufl.as_vector(values)
 
-    def _radii(self) -> Array:
-        return self._R + self._shell.w.x.array[self._dofs[:, 0]]
-
-    def _largest(self, values: Array) -> float:
-        """Largest value on all ranks; 0 where there is none."""
-        largest = values.max(initial=-np.inf)
-        result = float(self._shell.comm.allreduce(largest, op=dx.MPI.MAX))
-        return result if np.isfinite(result) else 0.0
-
-    def pole_height(self) -> float:
-        """Height of the top pole above the bottom pole, µm."""
-        u_z = self._shell.w.x.array[self._dofs[self._top, 1]]
-        curve = self._shell.discretisation.curve
-        bottom = float(curve.height(np.zeros(1))[0])
-        return self._largest(self._Z[self._top] + u_z) - bottom
-
-    def bud_radius(self) -> float:
-        """Largest radius of the growing zone, µm; 0 without one."""
-        return self._largest(self._radii()[self._bud])
-
-    def neck_radius(self) -> float:
-        """Radius at the edge of the growing zone, µm; 0 without an edge."""
-        return self._largest(self._radii()[self._edge])
-
-    def max_growth_strain(self) -> float:
-        """Largest growth strain at any point of the wall."""
-        growth = self._shell.growth
-        return 0.0 if growth is None else self._largest(growth.get())
+    def sizes(self) -> Sizes:
+        """Sizes of the wall in the trial state, the same on all ranks."""
+        values = [X + self._w[dofs] for X, dofs in self._watched]
+        if self._shell.growth is not None:
+            values.append(self._shell.growth.get())
+        largest = np.zeros(4)
+        largest[: len(values)] = [v.max(initial=-np.inf) for v in values]
+        self._shell.comm.Allreduce(dx.MPI.IN_PLACE, largest, op=dx.MPI.MAX)
+        return Sizes(*np.where(np.isfinite(largest), largest, 0.0).tolist())
 
     def profile(self, time: float) -> Profile | None:
         """Profile of the wall; None but on rank 0."""

@@ -228,7 +228,7 @@ class _Run:
 
     def _accept(self, iterations: int, step: float) -> None:
         """Note an accepted state and tell the observer."""
-        shell, probe = self._shell, self._probe
+        shell, sizes = self._shell, self._probe.sizes()
         self._iterations += iterations
         volume = shell.volume()
         row = Row(
@@ -236,10 +236,10 @@ class _Run:
             pressure_MPa=float(shell.pressure.value),
             volume_um3=volume,
             volume_ratio=volume / self._volume_0,
-            pole_height_um=probe.pole_height(),
-            bud_radius_um=probe.bud_radius(),
-            neck_radius_um=probe.neck_radius(),
-            max_growth_strain=probe.max_growth_strain(),
+            pole_height_um=sizes.pole_height,
+            bud_radius_um=sizes.bud_radius,
+            neck_radius_um=sizes.neck_radius,
+            max_growth_strain=sizes.max_growth_strain,
             dissipation_rate=shell.dissipation_rate(),
             step_min=step,
             newton_iterations=iterations,
