@@ -24,6 +24,11 @@ class Stability:
         self._solver.setType("cholesky")
         serial = shell.comm.size == 1
         self._solver.setFactorSolverType("petsc" if serial else "mumps")
+        if not serial:
+            self._solver.setFactorSetUpSolverType()
+            factors = self._solver.getFactorMatrix()
+            factors.setMumpsIcntl(13, 1)  # no part goes to ScaLAPACK, which counts no inertia
+            factors.setMumpsIcntl(24, 1)  # null pivots are told apart
 
     def __enter__(self) -> Stability:
         return self
