@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, get_args, get_origin
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -21,9 +22,13 @@ class SceneError(ValueError):
         super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in message))
 
 
+BRANCH = "as "  # begins the name of a kind of value where a key takes several kinds
+
 _Path = tuple[int | str, ...]
 _ABSENT = object()
+_SEVERAL = (UnionType, Union, Annotated)
 _WANTED = {int: "a whole number", float: "a number", str: "a text in quotes"}
+_LISTS = {"min": "[40, 70, 90]", "MPa": '["2 atm", "0.2 atm"]'}
 _REASONS = {"finite_number": "not finite"}
 
 
@@ -43,7 +48,7 @@ def explain(model: type[BaseModel], data: object, error: ValidationError) -> str
 
 def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str:
     context = problem.get("ctx", {})
-    path: _Path = problem["loc"]
+    path = tuple(part for part in problem["loc"] if not str(part).startswith(BRANCH))
     if context.get("key"):
         path += tuple(context["key"].split("."))
     value = _look_up(data, path)
@@ -66,10 +71,10 @@ def _look_up(data: Any, path: _Path) -> object:
 
 
 def _model_of(annotation: Any) -> type[BaseModel] | None:
-    for candidate in (annotation, *get_args(annotation)):
-        if isinstance(candidate, type) and issubclass(candidate, BaseModel):
-            return candidate
-    return None
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    kinds = get_args(annotation) if get_origin(annotation) in _SEVERAL else ()
+    return next(filter(None, map(_model_of, kinds)), None)
 
 
 def _allowed(model: type[BaseModel], path: _Path) -> str:
@@ -81,12 +86,17 @@ def _allowed(model: type[BaseModel], path: _Path) -> str:
             annotation, *metadata = get_args(get_args(annotation)[0])
         elif field := (_model_of(annotation) or model).model_fields.get(part):
             annotation, metadata = field.annotation, field.metadata
+    if get_origin(annotation) in (UnionType, Union):
+        first = get_args(annotation)[0]  # the kind that is told; None or a table is another
+        annotation, *own = get_args(first) if get_origin(first) is Annotated else (first,)
+        metadata = metadata + own
     if _model_of(annotation):
         return f"the table [{key_text(path)}] is wanted"
     if get_origin(annotation) is Literal:
         return "allowed: " + ", ".join(value_text(choice) for choice in get_args(annotation))
     if get_origin(annotation) is tuple:
-        return "a list of times is wanted, e.g. [40, 70, 90]"
+        entry = next(mark for mark in get_args(get_args(annotation)[0]) if isinstance(mark, Unit))
+        return f"a list of {entry.kind.split()[1]}s is wanted, e.g. {_LISTS[entry.symbol]}"
     unit = next((mark for mark in metadata if isinstance(mark, Unit)), None)
     kind = unit.kind if unit else _WANTED.get(annotation, "another value")
     words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}

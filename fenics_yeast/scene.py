@@ -11,39 +11,43 @@ import re
 import tomllib
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
+    Discriminator,
     Field,
     PrivateAttr,
+    Tag,
     ValidationError,
     ValidationInfo,
     field_validator,
     model_validator,
 )
 
-from fenics_yeast._quantities import TIME, Angle, Length, Pressure, Time, refusal
-from fenics_yeast._scene_errors import SceneError, explain, value_text
+from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
+from fenics_yeast._quantities import Angle, Length, Pressure, Time, refusal
+from fenics_yeast._scene_errors import BRANCH, SceneError, explain, value_text
+from fenics_yeast._table import Table
 
 __all__ = [
     "PRESETS",
     "Cell",
+    "Control",
     "Geometry",
     "Grading",
     "Growth",
     "Integrator",
     "Numerics",
     "Preset",
+    "PressureTable",
     "Run",
     "Scene",
     "SceneError",
+    "StaticPath",
     "Turgor",
+    "Until",
     "Wall",
     "Zone",
     "parse_assignment",
@@ -51,27 +55,7 @@ __all__ = [
 ]
 
 
-class _Table(BaseModel):
-    """A frozen table of a scene that knows its keys and takes no value of another type."""
-
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, hide_input_in_errors=True
-    )
-
-    if not TYPE_CHECKING:
-
-        def __init__(self, **values: Any) -> None:
-            try:
-                super().__init__(**values)
-            except ValidationError as error:
-                problem = explain(type(self), values, error)
-                raise SceneError(f"{type(self).__name__}: {problem}") from None
-
-        # pydantic's mark for an __init__ that adds nothing to validation
-        __init__.__pydantic_base_init__ = True
-
-
-class Cell(_Table):
+class Cell(Table):
     """The shape of the unloaded cell."""
 
     shape: Literal["sphere"] = Field(description="shape of the mid-surface")
@@ -83,7 +67,7 @@ class Cell(_Table):
         return self.diameter / 2
 
 
-class Wall(_Table):
+class Wall(Table):
     """The cell wall: its thickness and the Ogden energy of its material, equation (9)."""
 
     thickness: Length = Field(gt=0, description="thickness of the wall (µm)")
@@ -100,14 +84,54 @@ class Wall(_Table):
         return value
 
 
-class Turgor(_Table):
-    """The pressure inside the cell: it rises linearly from 0 over the ramp and is then held."""
+class PressureTable(Table):
+    """Pressure that changes in time: linear from value to value, held before and after them."""
 
-    pressure: Pressure = Field(description="turgor pressure, negative from outside (MPa)")
+    time: Annotated[tuple[Time, ...], Field(strict=False)] = Field(
+        description="increasing times from 0 on (min)"
+    )
+    value: Annotated[tuple[Pressure, ...], Field(strict=False)] = Field(
+        description="pressure at each of the times (MPa)"
+    )
+
+    @field_validator("time")
+    @classmethod
+    def _increasing(cls, times: tuple[float, ...]) -> tuple[float, ...]:
+        if not times or times[0] < 0 or any(a >= b for a, b in pairwise(times)):
+            raise refusal("", allowed="increasing times from 0 on are wanted, e.g. [0, 30, 40]")
+        return times
+
+    @field_validator("value")
+    @classmethod
+    def _one_for_each_time(
+        cls, values: tuple[float, ...], info: ValidationInfo
+    ) -> tuple[float, ...]:
+        times = info.data.get("time")
+        if times is not None and len(values) != len(times):
+            raise refusal("", allowed=f"a pressure for each of the {len(times)} times is wanted")
+        return values
+
+
+def _number_or_table(value: object) -> str:
+    return f"{BRANCH}table" if isinstance(value, Mapping | PressureTable) else f"{BRANCH}number"
+
+
+class Turgor(Table):
+    """The pressure inside the cell: it rises linearly from 0 over the ramp and is then held.
+
+    Given as a table it changes in time; its first rise is still that of the ramp. A scene with a
+    `path` finds its own pressures.
+    """
+
+    pressure: Annotated[
+        Annotated[Pressure, Tag(f"{BRANCH}number")]
+        | Annotated[PressureTable, Tag(f"{BRANCH}table")],
+        Discriminator(_number_or_table),
+    ] = Field(description="turgor pressure, negative from outside, or a table of it (MPa)")
     ramp: Time = Field(default=0.01, ge=0, description="duration of the rise from 0 (min)")
 
 
-class Zone(_Table):
+class Zone(Table):
     """The part of the wall that grows: a polar cap of the unloaded cell."""
 
     pole: Literal["top", "bottom"] = Field(description="pole around which the wall grows")
@@ -116,7 +140,7 @@ class Zone(_Table):
     )
 
 
-class Growth(_Table):
+class Growth(Table):
     """Growth of the wall where its stress exceeds a threshold, equations (12)-(13)."""
 
     zone: Zone = Field(description="the part of the wall that grows")
@@ -124,7 +148,7 @@ class Growth(_Table):
     time: Time = Field(gt=0, description="characteristic time t_grw of growth (min)")
 
 
-class Run(_Table):
+class Run(Table):
     """The time span of a simulation and the times whose profiles are kept."""
 
     end: Time = Field(gt=0, description="end of the simulation (min)")
@@ -146,114 +170,36 @@ class Run(_Table):
         return tuple(sorted(set(times)))
 
 
-Grading = Literal["uniform", "graded"]
-Geometry = Literal["conical", "curved"]
-Integrator = Literal["forward-euler", "backward-euler", "sdirk2", "sdirk3"]
+Control = Literal["pressure", "volume", "arc-length"]
 
 
-@dataclass(frozen=True)
-class Preset:
-    """Values for every key of `Numerics` that a scene leaves out.
+class Until(Table):
+    """Where a path ends: at a volume ratio or at a pressure."""
 
-    Without a number of `elements`, it follows from the tolerance.
-    """
+    volume_ratio: float | None = Field(default=None, gt=0, description="V/V0 (1)")
+    pressure: Pressure | None = Field(default=None, description="pressure (MPa)")
 
-    elements: int | None
-    order: int
-    grading: Grading
-    geometry: Geometry
-    thickness_points: int
-    shear_penalty: float
-    integrator: Integrator
-    step: float | None
-    tolerance: float
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Self:
+        if (self.volume_ratio is None) == (self.pressure is None):
+            allowed = 'either volume_ratio or pressure is wanted, e.g. { pressure = "1 MPa" }'
+            raise refusal("", allowed=allowed)
+        if self.volume_ratio == 1 or self.pressure == 0:
+            raise refusal("", allowed="a path ends elsewhere than it begins, V/V0 = 1 without load")
+        return self
 
 
-PRESETS: Mapping[str, Preset] = MappingProxyType(
-    {
-        "default": Preset(
-            elements=None,
-            order=4,
-            grading="graded",
-            geometry="curved",
-            thickness_points=5,
-            shear_penalty=1000.0,
-            integrator="sdirk3",
-            step=None,
-            tolerance=1e-4,
-        ),
-        "paper": Preset(
-            elements=480,
-            order=1,
-            grading="uniform",
-            geometry="conical",
-            thickness_points=3,
-            shear_penalty=1000.0,
-            integrator="backward-euler",
-            step=0.2,
-            tolerance=1e-4,
-        ),
-    }
-)
+class StaticPath(Table):
+    """The equilibria of an elastic wall from the unloaded one on, over limit points too."""
 
-
-_STEP = replace(TIME, example='"0.2 min" or "adaptive"')
-
-
-def _none_if_adaptive(value: object) -> object:
-    return None if value == "adaptive" else value
-
-
-def _preset(key: str, description: str, **bounds: Any) -> Any:
-    """Give the field of `Numerics` that is taken from the preset when left out."""
-    return Field(
-        default_factory=lambda given: getattr(PRESETS[given["preset"]], key),
-        description=description,
-        **bounds,
+    control: Control = Field(default="volume", description="what is prescribed at each point")
+    until: Until = Field(description="where the path ends")
+    steps: int = Field(
+        default=60, ge=1, le=100_000, description="number of steps; cut where they fail"
     )
 
 
-def _elements(given: Mapping[str, Any]) -> int:
-    """Number of elements of the preset, or the one whose error stays within the tolerance.
-
-    Measured for graded cells of degree 4 on three buds: 16 leave an error of V/V0 below 1e-5,
-    33 below 1e-6.
-    """
-    elements = PRESETS[given["preset"]].elements
-    return elements or max(12, round(16 * (1e-4 / given["tolerance"]) ** (1 / 6)))
-
-
-class Numerics(_Table):
-    """How the scene is solved; what is left out comes from the preset."""
-
-    preset: Literal["default", "paper"] = Field(
-        default="default", description="where the rest comes from"
-    )
-    tolerance: float = _preset(
-        "tolerance", "wanted relative error of V/V0 of adaptive steps (1)", gt=0, le=0.1
-    )
-    elements: int = Field(
-        default_factory=_elements,
-        description="number of elements along the meridian",
-        ge=2,
-        le=100_000,
-    )
-    order: int = _preset("order", "degree of the Lagrange elements", ge=1, le=4)
-    grading: Grading = _preset("grading", "element sizes: equal, or following the zone's edge")
-    geometry: Geometry = _preset("geometry", "meridian within an element: straight or curved")
-    thickness_points: int = _preset(
-        "thickness_points", "Gauss points through the wall", ge=1, le=16
-    )
-    shear_penalty: float = _preset(
-        "shear_penalty", "shear penalty κ, inf for no shear (1)", gt=0, allow_inf_nan=True
-    )
-    integrator: Integrator = _preset("integrator", "time integration of growth")
-    step: Annotated[Time | None, BeforeValidator(_none_if_adaptive), _STEP] = _preset(
-        "step", 'fixed time step; "adaptive", None in Python, where the tolerance rules (min)', gt=0
-    )
-
-
-class Scene(_Table):
+class Scene(Table):
     """What to simulate: one cell, its wall, turgor and growth, and how to solve it.
 
     Two scenes are equal when all their values are, whatever they are called.
@@ -269,6 +215,9 @@ class Scene(_Table):
         default=None, description="growth of the wall; None: an elastic scene"
     )
     run: Run | None = Field(default=None, description="time span; None: a single equilibrium")
+    path: StaticPath | None = Field(
+        default=None, description="path of equilibria, in place of a time span"
+    )
     numerics: Numerics = Field(
         default_factory=lambda: Numerics(), description="how the scene is solved"
     )
@@ -281,6 +230,14 @@ class Scene(_Table):
         if self.wall.thickness >= self.cell.radius:
             allowed = f"a thickness less than the cell's radius ({self.cell.radius:g} µm) is wanted"
             raise refusal("", allowed=allowed, key="wall.thickness")
+        if self.path is not None:
+            for table in ("run", "growth"):
+                if getattr(self, table) is not None:
+                    allowed = f"a [path] is static: leave out [path] or [{table}]"
+                    raise refusal("", allowed=allowed, key=table)
+        if self.run is None and isinstance(self.turgor.pressure, PressureTable):
+            allowed = 'a pressure that changes needs a [run] table, e.g. end = "90 min"'
+            raise refusal("", allowed=allowed, key="turgor.pressure")
         if self.growth is not None and self.run is None:
             allowed = 'growth needs a [run] table with an end time, e.g. end = "90 min"'
             raise refusal("", allowed=allowed, key="run")
@@ -354,6 +311,8 @@ class Scene(_Table):
         import tomli_w
 
         tables = {key: value for key, value in self.model_dump().items() if value is not None}
+        if self.path is not None:
+            tables["path"]["until"] = self.path.until.model_dump(exclude_none=True)
         if self.numerics.step is None:
             tables["numerics"]["step"] = "adaptive"
         return "# Units: µm, MPa, min, degrees.\n" + tomli_w.dumps(tables)
@@ -386,7 +345,7 @@ class Scene(_Table):
                 if not isinstance(table, dict):
                     change = f"{dotted[:80]} = {value_text(value)}"
                     raise SceneError(f"{self._source}: {change}: {parent} is not a table")
-            if isinstance(value, _Table):
+            if isinstance(value, Table):
                 value = value.model_dump(exclude_unset=True)
             table[key] = deepcopy(value)  # not the caller's own: a later key may go into it
         scene = self._from_tables(tables, self._source)

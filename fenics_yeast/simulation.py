@@ -7,17 +7,19 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+
 from . import _dolfinx as dx
 from . import growth, wall
 from .equilibrium import Equilibrium, EquilibriumError
-from .evolution import Evolution, Step
+from .evolution import Evolution
 from .integrators import TABLEAUX
 from .laws import Law
 from .limit_point import Approach, approach
 from .meridian import discretise
 from .probe import Probe
 from .record import History, Observer, Profile, Profiles, Result, Row, Status, Timings
-from .scene import Scene
+from .scene import PressureTable, Scene
 from .shell import Shell
 from .stability import Stability
 from .time_steps import TimeSteps
@@ -48,11 +50,16 @@ def build_shell(scene: Scene, comm: Any = None) -> Shell:
 
 
 def turgor(scene: Scene) -> Callable[[float], float]:
-    """Pressure in MPa at a time in min: linear over the ramp, then held."""
-    held, ramp = scene.turgor.pressure, scene.turgor.ramp
-    if scene.run is None or ramp == 0:
-        return lambda time: held
-    return lambda time: held * min(1.0, time / ramp)
+    """Pressure in MPa at a time in min: as the scene has it, times a rise over the ramp."""
+    pressure, ramp = scene.turgor.pressure, 0.0 if scene.run is None else scene.turgor.ramp
+
+    def at(time: float) -> float:
+        rise = min(1.0, time / ramp) if ramp > 0 else 1.0
+        if isinstance(pressure, PressureTable):
+            return rise * float(np.interp(time, pressure.time, pressure.value))
+        return rise * pressure
+
+    return at
 
 
 def simulate(scene: Scene, *, observer: Observer | None = None, comm: Any = None) -> Result:
@@ -116,7 +123,9 @@ class _Run:
         """Size of the nodal forces of the load, or of those that would strain the wall by 1 %."""
         cell, wall_ = self._scene.cell, self._scene.wall
         least = 0.01 * wall_.shear_modulus * wall_.thickness / cell.radius
-        pressure = max(abs(self._scene.turgor.pressure), least)
+        given = self._scene.turgor.pressure
+        values = given.value if isinstance(given, PressureTable) else (given,)
+        pressure = max(*map(abs, values), least)
         return pressure * cell.radius**2 / len(self._shell.discretisation.nodes) ** 0.5
 
     def _guarded(self) -> tuple[Status, str]:
@@ -161,7 +170,10 @@ class _Run:
                 if self._meets_limit(end):
                     return self._limit()
                 continue
-            if not steps.judge(self._badness(step, end - start, volume)):
+            badness = 0.0
+            if self._scene.numerics.step is None:
+                badness = self._badness(evolution.volume_error(step), end - start, volume)
+            if not steps.judge(badness):
                 evolution.reject()
                 self._reject(step.iterations)
                 continue
@@ -210,8 +222,8 @@ class _Run:
             return TimeSteps(milestones, milestones[-1] / 100, None)
         return TimeSteps(milestones, _FIRST_STEP * growing.time, self._tableau.estimate_order)
 
-    def _badness(self, step: Step, dt: float, volume: float) -> float:
-        """Estimated error of a step, 1 being the largest wanted.
+    def _badness(self, error: float, dt: float, volume: float) -> float:
+        """Estimated error of the volume, 1 being the largest wanted.
 
         An error of the volume acts like a shift in time by it over `V'`, and shifts add up over
         the run: it is held against what the cell grows in the characteristic time.
@@ -221,7 +233,7 @@ class _Run:
             return 0.0
         grown = abs(volume - self._rows[-1].volume_um3) * growing.time / dt
         wanted = self._scene.numerics.tolerance * max(grown, _SLOW * self._volume_0)
-        return abs(step.error) / (self._tableau.caution * wanted)
+        return abs(error) / (self._tableau.caution * wanted)
 
     def _lost(self, what: str, error: EquilibriumError) -> tuple[Status, str]:
         return "failed", f"{what}: {error}"

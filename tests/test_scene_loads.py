@@ -1,0 +1,173 @@
+"""Loads of a scene beyond a steady turgor: a pressure that changes in time, and static paths."""
+
+import pytest
+
+from fenics_yeast import Scene, SceneError
+from fenics_yeast.scene import PressureTable, StaticPath, Until
+
+BALLOON = """\
+[cell]
+shape = "sphere"
+diameter = 5
+[wall]
+thickness = 0.1
+shear_modulus = 40
+"""
+STEADY = "[turgor]\npressure = 0.2\n"
+RUN = "[run]\nend = 90\n"
+GROWTH = '[growth]\nzone = { pole = "top", half_angle = 24 }\nthreshold = 1\ntime = 45\n'
+
+
+def scene(text: str) -> Scene:
+    return Scene.from_toml(BALLOON + text, source="balloon.toml")
+
+
+def with_pressure(table: str) -> str:
+    return f"[turgor]\npressure = {table}\n"
+
+
+CHANGING = with_pressure('{ time = [0, "30 min", 40], value = ["2 atm", "2 atm", "0.2 atm"] }')
+
+
+def test_a_changing_pressure_is_read_in_its_units() -> None:
+    pressure = scene(CHANGING + RUN).turgor.pressure
+    assert pressure == PressureTable(time=(0, 30, 40), value=(0.20265, 0.20265, 0.020265))
+
+
+def test_a_path_goes_by_volume_in_60_steps_unless_told_otherwise() -> None:
+    path = scene(STEADY + "[path]\nuntil = { volume_ratio = 8 }\n").path
+    assert path == StaticPath(control="volume", until=Until(volume_ratio=8.0), steps=60)
+    text = '[path]\ncontrol = "arc-length"\nuntil = { pressure = "1 bar" }\nsteps = 9\n'
+    path = scene(STEADY + text).path
+    assert path == StaticPath(control="arc-length", until=Until(pressure=0.1), steps=9)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        CHANGING + RUN,
+        CHANGING + RUN + GROWTH,
+        STEADY + "[path]\nuntil = { volume_ratio = 8 }\n",
+        STEADY + '[path]\ncontrol = "pressure"\nuntil = { pressure = -1 }\nsteps = 3\n',
+    ],
+)
+def test_written_scenes_read_back_equal(text: str) -> None:
+    first = scene(text)
+    again = Scene.from_toml(first.to_toml())
+    assert again == first
+    assert hash(again) == hash(first)
+    assert again.to_toml() == first.to_toml()
+
+
+def test_values_can_be_changed() -> None:
+    steady = scene(STEADY + RUN)
+    table = {"time": [0, 10], "value": [0.1, "2 bar"]}
+    changed = steady.with_values({"turgor.pressure": table})
+    assert changed.turgor.pressure == PressureTable(time=(0, 10), value=(0.1, 0.2))
+    assert changed.with_values({"turgor.pressure.value": [0, 1]}).turgor.pressure == PressureTable(
+        time=(0, 10), value=(0, 1)
+    )
+    assert changed.with_values({"turgor.pressure": 0.2}) == steady
+    path = {"run": None, "path": StaticPath(until=Until(pressure=1))}
+    assert steady.with_values(path).with_values({"path.steps": 5}).path == StaticPath(
+        until=Until(pressure=1), steps=5
+    )
+
+
+MALFORMED = {
+    "one pressure for two times": (
+        with_pressure("{ time = [0, 3], value = [1] }") + RUN,
+        "turgor.pressure.value = [1]: a pressure for each of the 2 times is wanted",
+    ),
+    "no times": (
+        with_pressure("{ time = [], value = [] }") + RUN,
+        "turgor.pressure.time = []: increasing times from 0 on",
+    ),
+    "times that fall": (
+        with_pressure("{ time = [3, 2], value = [1, 1] }") + RUN,
+        "turgor.pressure.time = [3, 2]: increasing times",
+    ),
+    "times that stand": (
+        with_pressure("{ time = [2, 2], value = [1, 1] }") + RUN,
+        "turgor.pressure.time = [2, 2]: increasing times",
+    ),
+    "time before the start": (
+        with_pressure("{ time = [-1, 2], value = [1, 1] }") + RUN,
+        "turgor.pressure.time = [-1, 2]: increasing times from 0 on",
+    ),
+    "time for pressure": (
+        with_pressure('{ time = [0, 2], value = ["1 min", 1] }') + RUN,
+        'turgor.pressure.value[0] = "1 min": a pressure or stress is wanted',
+    ),
+    "not a number": (
+        with_pressure("{ time = [0, nan], value = [1, 1] }") + RUN,
+        "turgor.pressure.time[1] = nan: not finite; a time",
+    ),
+    "values missing": (
+        with_pressure("{ time = [0, 1] }") + RUN,
+        "turgor.pressure.value is missing: a list of pressures",
+    ),
+    "value for a list": (
+        with_pressure("{ time = [0], value = 1 }") + RUN,
+        "turgor.pressure.value = 1: a list of pressures is wanted",
+    ),
+    "other key": (
+        with_pressure("{ times = [0, 1], time = [0, 1], value = [1, 1] }") + RUN,
+        "turgor.pressure.times = [0, 1]: unknown key; did you mean turgor.pressure.time?",
+    ),
+    "list for table": (
+        with_pressure("[0, 1]") + RUN,
+        "turgor.pressure = [0, 1]: a pressure or stress is wanted",
+    ),
+    "changing without a run": (
+        CHANGING,
+        "turgor.pressure = {...}: a pressure that changes needs a [run] table",
+    ),
+    "path and run": (
+        STEADY + RUN + "[path]\nuntil = { volume_ratio = 8 }\n",
+        "run = {...}: a [path] is static: leave out [path] or [run]",
+    ),
+    "path and growth": (
+        STEADY + GROWTH + "[path]\nuntil = { volume_ratio = 8 }\n",
+        "growth = {...}: a [path] is static",
+    ),
+    "endless path": (STEADY + "[path]\n", "path.until is missing"),
+    "no goal": (STEADY + "[path]\nuntil = {}\n", "path.until = {...}: either volume_ratio or"),
+    "two goals": (
+        STEADY + "[path]\nuntil = { volume_ratio = 8, pressure = 1 }\n",
+        "path.until = {...}: either volume_ratio or pressure is wanted",
+    ),
+    "goal at the start": (
+        STEADY + "[path]\nuntil = { pressure = 0 }\n",
+        "path.until = {...}: a path ends elsewhere than it begins",
+    ),
+    "negative volume": (
+        STEADY + "[path]\nuntil = { volume_ratio = -8 }\n",
+        "path.until.volume_ratio = -8: a number greater than 0",
+    ),
+    "length for pressure": (
+        STEADY + '[path]\nuntil = { pressure = "1 um" }\n',
+        'path.until.pressure = "1 um": a pressure or stress is wanted',
+    ),
+    "unknown goal": (
+        STEADY + "[path]\nuntil = { volume = 8 }\n",
+        "path.until.volume = 8: unknown key; did you mean path.until.volume_ratio?",
+    ),
+    "unknown control": (
+        STEADY + '[path]\ncontrol = "time"\nuntil = { volume_ratio = 8 }\n',
+        'path.control = "time": allowed: "pressure", "volume", "arc-length"',
+    ),
+    "no steps": (
+        STEADY + "[path]\nsteps = 0\nuntil = { volume_ratio = 8 }\n",
+        "path.steps = 0: a whole number at least 1",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "said"), MALFORMED.values(), ids=MALFORMED)
+def test_malformed_loads_are_told_in_one_line(text: str, said: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        scene(text)
+    message = str(caught.value)
+    assert len(message.splitlines()) == 1
+    assert message.startswith("balloon.toml: " + said)
