@@ -28,6 +28,7 @@ REASONS = {
 }
 
 _MOST_ITERATIONS = 40
+_ALIKE = 0.1  # relative difference of stages that may share a tangent
 
 
 class EquilibriumError(RuntimeError):
@@ -77,10 +78,16 @@ class Equilibrium:
         The wall; the solver moves its trial state.
     tolerance
         Norm of the residual in µN at which it counts as zero.
+    good_reduction
+        Reduction of the residual by an iteration that keeps the tangent of an earlier one, also
+        of an earlier solution, in use; 0 for a new tangent at each iteration.
     """
 
-    def __init__(self, shell: Shell, tolerance: float) -> None:
+    def __init__(self, shell: Shell, tolerance: float, good_reduction: float = 0.03) -> None:
         self._shell = shell
+        self._good_reduction = good_reduction
+        self._stage = -1.0  # of the tangent in use; negative: none
+        self._norm = 0.0
         self._equations = equations = Equations(shell)
         self._x = equations.matrix.createVecRight()
         self._f = equations.matrix.createVecLeft()
@@ -122,6 +129,7 @@ class Equilibrium:
             iterations = verdict(self.snes)
         except EquilibriumError:
             self._shell.restore(before)
+            self._stage = -1.0
             raise
         if not self._equations.loaded(self._x.array_r):
             self._equations.load(self._x.array_r)
@@ -133,6 +141,7 @@ class Equilibrium:
         It grows without bound towards a limit point and is negative beyond it.
         """
         self._equations.tangent()
+        self._stage = -1.0
         self._solver.setOperators(self._equations.matrix)
         self._equations.assemble(self._shell.volume_gradient, self._f.array)
         return 2 * np.pi * self._volume_response()
@@ -167,4 +176,14 @@ class Equilibrium:
         self._equations.residual(x.array_r, f.array)
 
     def _jacobian(self, snes: Any, x: Any, J: Any, P: Any) -> None:
+        """Form the tangent, unless the one in use does well: forming it is half of the cost."""
+        norm, first = snes.getFunctionNorm(), snes.getIterationNumber() == 0
+        growth = self._shell.growth
+        stage = 0.0 if growth is None else float(growth.stage.value)
+        good = first or norm < self._good_reduction * self._norm
+        self._norm = norm
+        alike = abs(stage - self._stage) <= _ALIKE * stage
+        if good and alike and self._good_reduction > 0:
+            return
         self._equations.tangent()
+        self._stage = stage

@@ -37,11 +37,12 @@ class Step:
     iterations
         Newton iterations.
     error
-        Estimated error of the volume in µm³, with its sign; 0 for an elastic wall.
+        Estimated error of the growth strains, in the layout of `GrowthState.get`; None for an
+        elastic wall.
     """
 
     iterations: int
-    error: float
+    error: Array | None
 
 
 class Evolution:
@@ -73,6 +74,8 @@ class Evolution:
         self._tableau, self.pressure = tableau, pressure
         self._recent: deque[tuple[float, Array]] = deque(maxlen=_MEMORY)
         self._before: list[tuple[float, Array]] = []
+        self._rate: Array | None = None  # of growth in the accepted state, where it is known
+        self._last_rate: Array | None = None  # in the trial
         self.state = self._capture(0.0)
 
     def load(self) -> int:
@@ -85,7 +88,7 @@ class Evolution:
         """
         self.shell.pressure.value = self.pressure(0.0)
         iterations = self._equilibrium.solve()
-        self.state = self._capture(0.0)
+        self.accept(0.0)
         self._recent.append((0.0, self.state.wall.w))
         return iterations
 
@@ -171,6 +174,7 @@ class Evolution:
     def accept(self, time: float) -> None:
         """Make the trial the accepted state."""
         self.state = self._capture(time)
+        self._rate, self._last_rate = self._last_rate, None
 
     def reject(self) -> None:
         """Bring the shell back to the accepted state."""
@@ -186,7 +190,7 @@ class Evolution:
     def _stages(self, end: float) -> Step:
         growth, start = self.shell.growth, self.state.time
         if growth is None or self.state.wall.eps_g is None:
-            return Step(self._solve(end), 0.0)
+            return Step(self._solve(end), None)
         dt, A, c = end - start, self._tableau.A, self._tableau.c
         rates: list[Array] = []
         iterations = 0
@@ -199,13 +203,21 @@ class Evolution:
                 growth.set_base(base)
                 growth.set(base + A[i, i] * dt * rates[-1] if rates else base)
                 iterations += self._solve(end if i == len(c) - 1 else start + c[i] * dt)
-            implicit = A[i, i] > 0
-            rates.append((growth.get() - base) / (A[i, i] * dt) if implicit else growth.rate())
+            if A[i, i] > 0:
+                rates.append((growth.get() - base) / (A[i, i] * dt))
+            elif i == 0 and self._rate is not None:
+                rates.append(self._rate)  # the accepted state is the last stage of its step
+            else:
+                rates.append(growth.rate())
         weights = A[-1] - self._tableau.embedded
         error = dt * sum(b * k for b, k in zip(weights, rates, strict=True))
-        change = self._equilibrium.volume_change(error)
         growth.stage.value = 0.0
-        return Step(iterations, change)
+        self._last_rate = rates[-1]
+        return Step(iterations, error)
+
+    def volume_error(self, step: Step) -> float:
+        """Estimated error in µm³ of the volume of the trial that an attempt has just made."""
+        return 0.0 if step.error is None else self._equilibrium.volume_change(step.error)
 
     def _solve(self, time: float) -> int:
         """Equilibrium at a time, from an extrapolated start; if that fails, from a plain one."""
