@@ -96,7 +96,7 @@ def test_update_solves_the_equation_of_its_stage(point, strain, stage):
     assert state.update()
     found = state.get()[0]
     expected = base + stage * rate_in_numpy(np.array(strain), found)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
     np.testing.assert_allclose(
         state.rate()[0], rate_in_numpy(np.array(strain), found), rtol=1e-9, atol=1e-15
     )
