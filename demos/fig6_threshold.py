@@ -16,9 +16,9 @@ p = bud.turgor.pressure
 results = {}
 for threshold in (0.9, 1.0, 1.1):
     results[threshold] = result = simulate(bud.with_values({"growth.threshold": threshold}))
-    end = result.history.rows[-1]
-    last = f"V/V0 = {end.volume_ratio:.6f} at {end.time_min:.2f} min"
-    print(f"σ_trs = {threshold} MPa: {last}, {result.status}")
+    ratio, end = result.history.at(60).volume_ratio, result.history.rows[-1]
+    last = f"{end.volume_ratio:.6f} at {end.time_min:.2f} min, {result.status}"
+    print(f"σ_trs = {threshold} MPa: V/V0 = {ratio:.6f} at 60 min, {last}")
 
 figure = Path("out/fig6_threshold.png")
 volumes([Curve(f"$σ_{{trs}}$ = {s} MPa", r.history, r.status) for s, r in results.items()], figure)

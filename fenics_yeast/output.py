@@ -8,9 +8,10 @@ import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
+from io import BytesIO
 from pathlib import Path
 from time import perf_counter
-from typing import IO, Self
+from typing import Self
 from zipfile import BadZipFile
 
 import numpy as np
@@ -20,6 +21,7 @@ from .scene import Scene
 
 _SCENE, _HISTORY, _PROFILES, _RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
 SHAPES, VOLUME = "figures/shapes.png", "figures/volume.png"  # within the folder
+_HEADER = ",".join(COLUMNS)
 
 # Rewriting all profiles at each of very many saved times takes at most this part of the time.
 _PROFILES_SHARE = 0.1
@@ -65,13 +67,13 @@ class OutputFolder:
     def __init__(self, path: Path, scene: Scene) -> None:
         self.path = path
         self._kept: list[Profile] = []
-        self._written = 0
+        self._rows_written = self._profiles_written = 0
         self._may_write_at = 0.0
         with writing(self.path):
             self._claim()
             self._replace(_SCENE, scene.to_toml().encode())
             self._history = open(path / _HISTORY, "w", encoding="utf-8")  # noqa: SIM115
-            self._append(",".join(COLUMNS))
+            self._append(_HEADER)
 
     def __enter__(self) -> Self:
         return self
@@ -82,7 +84,8 @@ class OutputFolder:
     def accepted(self, row: Row) -> None:
         """Append a row to the history."""
         with writing(self.path):
-            self._append(",".join(repr(value) for value in _values(row)))
+            self._append(_line(row))
+        self._rows_written += 1
 
     def saved(self, profile: Profile) -> None:
         """Write the profiles anew with one more, unless that was done a moment ago."""
@@ -114,9 +117,13 @@ class OutputFolder:
             "newton_iterations": int(result.newton_iterations),
             "timings": asdict(timings),
         }
-        if self._written < len(self._kept):
+        if self._profiles_written != len(result.profiles):
+            self._kept = list(result.profiles)
             self._write_profiles()
         with writing(self.path):
+            if self._rows_written != len(result.history):  # interrupted between step and row
+                lines = [_HEADER, *map(_line, result.history.rows)]
+                self._replace(_HISTORY, "".join(line + "\n" for line in lines).encode())
             self._replace(_RUN, (json.dumps(summary, indent=2) + "\n").encode())
 
     def _claim(self) -> None:
@@ -136,30 +143,26 @@ class OutputFolder:
         self._history.flush()
 
     def _write_profiles(self) -> None:
-        with writing(self.path), _replacing(self.path / _PROFILES) as file:
-            np.savez(file, **Profiles(tuple(self._kept)).arrays())
-        self._written = len(self._kept)
+        content = BytesIO()
+        np.savez(content, **Profiles(tuple(self._kept)).arrays())
+        with writing(self.path):
+            self._replace(_PROFILES, content.getvalue())
+        self._profiles_written = len(self._kept)
 
     def _replace(self, name: str, content: bytes) -> None:
-        with _replacing(self.path / name) as file:
-            file.write(content)
+        """Write a file that takes the place of an earlier one only once it is complete."""
+        path = self.path / name
+        temporary = path.with_name(path.name + ".part")
+        try:
+            temporary.write_bytes(content)
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
 
 
-@contextmanager
-def _replacing(path: Path) -> Iterator[IO[bytes]]:
-    """File that takes the place of `path` only once it is complete."""
-    temporary = path.with_name(path.name + ".part")
-    try:
-        with open(temporary, "wb") as file:
-            yield file
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def _values(row: Row) -> tuple[float | int, ...]:
+def _line(row: Row) -> str:
     """Values of a row as Python's own numbers, which print with all their digits."""
-    return tuple(_number(name)(getattr(row, name)) for name in COLUMNS)
+    return ",".join(repr(_number(name)(getattr(row, name))) for name in COLUMNS)
 
 
 def _number(column: str) -> type[float] | type[int]:

@@ -1,0 +1,102 @@
+"""Every demo runs as it stands, prints its numbers and draws its figure."""
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+DEMOS = Path(__file__).parent.parent / "demos"
+
+
+def fig4(text: str) -> None:
+    """V/V0 of the paper's scheme, computed by a program that shares nothing with this package."""
+    found = {float(t): float(v) for t, v in re.findall(r"^ +(\d+)  (\d\.\d{6})$", text, re.M)}
+    wanted = {40: 1.088955, 70: 1.155262, 80: 1.211899, 90: 1.362287}
+    assert found == pytest.approx(wanted, abs=3e-4, rel=0)
+
+
+def fig5(text: str) -> None:
+    """Equilibrium is lost at 93.13 min for 45 min of growth time, hence at 62.09 min for 30."""
+    found = re.findall(r"t_grw = (\d+) min: V/V0 = (.*) at (.*) min, (.*)", text)
+    assert [(int(t_grw), status) for t_grw, _, _, status in found] == [
+        (30, "no-equilibrium"),
+        (45, "finished"),
+        (60, "finished"),
+    ]
+    assert float(found[0][2]) == pytest.approx(62.09, abs=0.03)
+    assert float(found[1][1]) == pytest.approx(1.362287, abs=3e-4)
+
+
+def fig6(text: str) -> None:
+    """V/V0 at 60 min from converged computations by two other programs."""
+    found = re.findall(r"σ_trs = (.*) MPa: V/V0 = (.*) at 60 min, .* min, (.*)", text)
+    assert [(float(s), status) for s, _, status in found] == [
+        (0.9, "no-equilibrium"),
+        (1.0, "finished"),
+        (1.1, "finished"),
+    ]
+    ratios = [float(ratio) for _, ratio, _ in found]
+    assert ratios[:2] == pytest.approx([1.187899, 1.124116], abs=3e-4, rel=0)
+    assert ratios[1] > ratios[2]
+    # Were threshold and turgor equivalent to the letter, these would be zero.
+    more = [float(percent) for percent in re.findall(r"([\d.]+)% more", text)]
+    assert len(more) == 3 and all(0 < percent < 20 for percent in more)
+
+
+def balloon(text: str) -> None:
+    """The limit point is at λ = 7^(1/6)."""
+    error = re.search(r"from the closed form: (.*)", text)
+    limit = re.search(r"= (\d\.\d+), closed form 1\.239463; no-equilibrium", text)
+    assert error is not None and float(error[1]) < 1.3e-4
+    assert limit is not None and float(limit[1]) == pytest.approx(1.239463, abs=2e-5)
+
+
+NUMBERS: dict[str, Callable[[str], None]] = {
+    "fig6_threshold": fig6,  # the longest first: two run at a time
+    "fig5_growth_time": fig5,
+    "fig4_bud": fig4,
+    "balloon": balloon,
+}
+
+
+def test_no_demo_goes_unchecked() -> None:
+    assert {path.stem for path in DEMOS.glob("*.py")} == set(NUMBERS)
+
+
+@pytest.fixture(scope="module")
+def runs(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[dict[str, Future[subprocess.CompletedProcess[str]]]]:
+    """Runs of the demos that are asked for, each in a folder of its own, two at a time."""
+
+    base = tmp_path_factory.getbasetemp()
+
+    def run(name: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, str(DEMOS / f"{name}.py")]
+        folder = base / name
+        folder.mkdir()
+        return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=240)
+
+    asked = [item.name for item in request.session.items]
+    with ThreadPoolExecutor(2) as pool:
+        yield {name: pool.submit(run, name) for name in NUMBERS if f"test_demo[{name}]" in asked}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_demo(
+    name: str,
+    runs: dict[str, Future[subprocess.CompletedProcess[str]]],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    done = runs[name].result()
+    assert (done.returncode, done.stderr) == (0, "")
+    NUMBERS[name](done.stdout)
+    figure = f"out/{name}.png"
+    assert figure in done.stdout
+    drawn = tmp_path_factory.getbasetemp() / name / figure
+    assert drawn.read_bytes().startswith(b"\x89PNG")
+    assert len((DEMOS / f"{name}.py").read_text().splitlines()) < 60
