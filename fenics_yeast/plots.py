@@ -37,6 +37,7 @@ _STYLE = {
 _PANEL, _GAP, _LEFT = 1.75, 0.15, 0.55  # width of a shape's panel and around it, inches
 _MOST_IN_A_ROW, _MOST_SHAPES = 5, 20
 _POINTS = 72.0  # of an inch
+_FINER = 8  # pieces drawn between two nodes, or two steps
 
 
 @dataclass(frozen=True)
@@ -225,11 +226,12 @@ def _draw_wall(
     from matplotlib.collections import LineCollection
 
     linewidth = max(1.3, scene.wall.thickness * scale * _POINTS)
-    zone = _in_zone(profile, scene)
-    middle = (profile.S[1:] + profile.S[:-1]) / 2
+    S, r, z = _outline(profile)
+    zone = np.repeat(_in_zone(profile, scene), _FINER)
+    middle = (S[1:] + S[:-1]) / 2
     colours = colouring.to_rgba(np.interp(middle[zone], profile.S_points, strain))
     for side in (-1, 1):
-        nodes = np.column_stack([side * profile.r, profile.z])
+        nodes = np.column_stack([side * r, z])
         pieces = np.stack([nodes[:-1], nodes[1:]], axis=1)
         for part, colour in ((~zone, _WALL), (zone, colours)):
             axes.add_collection(
@@ -239,10 +241,43 @@ def _draw_wall(
             )
 
 
+def _outline(profile: Profile) -> tuple[Array, Array, Array]:
+    """`S, r, z` of the meridian, finer than the nodes: a coarse mesh of high degree is smooth."""
+    chord = np.hypot(np.diff(profile.r), np.diff(profile.z))
+    r = _hermite(profile.r, chord, np.cos(profile.psi))
+    z = _hermite(profile.z, chord, np.sin(profile.psi))
+    return _hermite(profile.S, np.diff(profile.S), np.ones_like(profile.S)), r, z
+
+
+def _hermite(values: Array, lengths: Array, slopes: Array) -> Array:
+    """Cubic pieces through values with given slopes, `_FINER` points for each piece."""
+    t = np.arange(_FINER)[:, None] / _FINER
+    start, end = values[:-1], values[1:]
+    m0, m1 = lengths * slopes[:-1], lengths * slopes[1:]
+    blend = t**2 * (3 - 2 * t)
+    inner = start + blend * (end - start) + t * (1 - t) * ((1 - t) * m0 - t * m1)
+    return np.append(inner.T.ravel(), values[-1])
+
+
+def _smooth(history: History) -> tuple[Array, Array]:
+    """Time and volume ratio, curved between the rows where the pressure stands still."""
+    time, ratio = history.time_min, history.volume_ratio
+    held = np.flatnonzero(history.pressure_MPa == history.pressure_MPa[-1])
+    first = held[0] if len(held) else len(time)
+    if len(time) - first < 3 or np.any(np.diff(held) != 1):
+        return time, ratio
+    slopes = np.gradient(ratio[first:], time[first:], edge_order=2)
+    steps = np.diff(time[first:])
+    fine = _hermite(time[first:], steps, np.ones_like(slopes))
+    return np.append(time[:first], fine), np.append(
+        ratio[:first], _hermite(ratio[first:], steps, slopes)
+    )
+
+
 def _draw_volume(axes: Axes, curve: Curve, colour: str) -> None:
     """Draw a curve and mark where its run lost equilibrium."""
     history = curve.history
-    axes.plot(history.time_min, history.volume_ratio, color=colour, label=curve.label)
+    axes.plot(*_smooth(history), color=colour, label=curve.label)
     if curve.status == "no-equilibrium" and len(history):
         time, ratio = history.time_min[-1], history.volume_ratio[-1]
         axes.plot([time], [ratio], "x", color=colour, ms=7, mew=1.8)
