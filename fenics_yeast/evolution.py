@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _dolfinx as dx
 from .equilibrium import Equilibrium, EquilibriumError
 from .integrators import TABLEAUX, Tableau
 from .shell import Shell, Snapshot
@@ -39,10 +40,15 @@ class Step:
     error
         Estimated error of the growth strains, in the layout of `GrowthState.get`; None for an
         elastic wall.
+    swing
+        Of an explicit method: by what factor the change of the growth rate over this step is
+        that of the step before. Below -1 it swings to and fro, more so from step to step: the
+        step is beyond the method's limit of stability. 0 where that says nothing.
     """
 
     iterations: int
     error: Array | None
+    swing: float = 0.0
 
 
 class Evolution:
@@ -76,21 +82,30 @@ class Evolution:
         self._before: list[tuple[float, Array]] = []
         self._rate: Array | None = None  # of growth in the accepted state, where it is known
         self._last_rate: Array | None = None  # in the trial
-        self.state = self._capture(0.0)
+        self._change: Array | None = None  # of that rate over the last step, per time
+        self._trial_change: Array | None = None
+        self._unloaded = self.state = self._capture(0.0)
 
     def load(self) -> int:
-        """Equilibrium under the pressure at time 0; returns the Newton iterations.
+        """Equilibrium under the pressure at time 0 from the trial state; the Newton iterations.
 
         Raises
         ------
         EquilibriumError
-            If there is none; the wall is then unloaded again.
+            If none was found; the trial state is then as before.
         """
         self.shell.pressure.value = self.pressure(0.0)
         iterations = self._equilibrium.solve()
         self.accept(0.0)
         self._recent.append((0.0, self.state.wall.w))
         return iterations
+
+    def unload(self) -> None:
+        """Bring the shell back to where it began."""
+        self.state = self._unloaded
+        self._recent.clear()
+        self.shell.restore(self.state.wall)
+        self.shell.pressure.value = 0.0
 
     def step(self, end: float) -> Step:
         """Go from the accepted state to a later time in one step, and accept it.
@@ -174,11 +189,20 @@ class Evolution:
     def accept(self, time: float) -> None:
         """Make the trial the accepted state."""
         self.state = self._capture(time)
+        self._change, self._trial_change = self._trial_change, None
         self._rate, self._last_rate = self._last_rate, None
+
+    @property
+    def resting(self) -> bool:
+        """Whether nothing grows in the accepted state."""
+        growth = self.shell.growth
+        grows = growth is not None and bool(growth.rate().any())
+        return not self.shell.comm.allreduce(grows, op=dx.MPI.LOR)
 
     def reject(self) -> None:
         """Bring the shell back to the accepted state."""
         self._restore()
+        self._last_rate = self._trial_change = None
         self._recent.clear()
         self._recent.extend(self._before)
 
@@ -186,6 +210,7 @@ class Evolution:
         """Do not extrapolate over what came before: the load has a kink here."""
         self._recent.clear()
         self._recent.append((self.state.time, self.state.wall.w))
+        self._change = None
 
     def _stages(self, end: float) -> Step:
         growth, start = self.shell.growth, self.state.time
@@ -213,7 +238,17 @@ class Evolution:
         error = dt * sum(b * k for b, k in zip(weights, rates, strict=True))
         growth.stage.value = 0.0
         self._last_rate = rates[-1]
-        return Step(iterations, error)
+        swing = 0.0 if A.diagonal().any() else self._swing((rates[-1] - rates[0]) / dt)
+        return Step(iterations, error, swing)
+
+    def _swing(self, change: Array) -> float:
+        """Factor from the last step's change of the growth rate to this one's."""
+        last, self._trial_change = self._change, change
+        if last is None:
+            return 0.0
+        products = np.array([np.vdot(change, last), np.vdot(last, last)])
+        along, size = self.shell.comm.allreduce(products)
+        return float(along / size) if size > 0 else 0.0
 
     def volume_error(self, step: Step) -> float:
         """Estimated error in µm³ of the volume of the trial that an attempt has just made."""

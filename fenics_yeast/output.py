@@ -166,7 +166,7 @@ def _line(row: Row) -> str:
 
 
 def _number(column: str) -> type[float] | type[int]:
-    return int if column == "newton_iterations" else float
+    return int if column in ("newton_iterations", "stable") else float
 
 
 def _versions() -> dict[str, str]:
@@ -224,7 +224,8 @@ def load_history(directory: Path) -> History:
     for number, line in enumerate(lines[1:], start=2):
         try:
             values = dict(zip(columns, line.split(","), strict=True))
-            rows.append(Row(**{name: _number(name)(values[name]) for name in COLUMNS}))  # type: ignore[arg-type]
+            numbers = {name: _number(name)(values[name]) for name in COLUMNS}
+            rows.append(Row(**numbers | {"stable": bool(numbers["stable"])}))  # type: ignore[arg-type]
         except ValueError:
             raise OutputError(f"{path}: line {number} is damaged; run the scene again") from None
     return History(rows)

@@ -18,7 +18,8 @@ Status = Literal["finished", "no-equilibrium", "failed", "interrupted"]
 class Row:
     """One accepted state of the history; the names carry the units.
 
-    Where nothing grows, the radii of bud and neck are 0.
+    Where nothing grows, the radii of bud and neck are 0. A state is `stable` if no small
+    axisymmetric perturbation at its growth and pressure would move it away.
     """
 
     time_min: float
@@ -32,6 +33,7 @@ class Row:
     dissipation_rate: float
     step_min: float
     newton_iterations: int
+    stable: bool
 
 
 COLUMNS = tuple(field.name for field in fields(Row))
@@ -54,6 +56,7 @@ class History:
     dissipation_rate: Array
     step_min: Array
     newton_iterations: NDArray[np.int64]
+    stable: NDArray[np.bool_]
 
     def __init__(self, rows: Iterable[Row]) -> None:
         self.rows: Sequence[Row] = tuple(rows)

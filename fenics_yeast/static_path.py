@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import copysign, hypot
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .equilibrium import EquilibriumError
 from .shell import Shell
 from .volume_control import VolumeControl
 
+Array = NDArray[np.float64]
 Control = Literal["pressure", "volume", "arc-length"]
 
-_LEAST_STEP = 2.0**-16  # of the first one
-_MOST_POINTS = 50  # times the number of steps asked for
+_LEAST_STEP = 2.0**-10  # of the first one
+_MOST_POINTS = 20  # times the number of steps asked for
+_LARGEST_WALK, _MOST_WALKED = 0.02, 1000  # steps of the volume in search of a limit point
+_BEFORE = 2e-4  # of the volume: how far before a limit point it is told and left
 
 
 class PathError(RuntimeError):
@@ -67,6 +72,7 @@ def follow(
     """
     volume_0 = shell.volume()
     v, q = 1.0, 0.0
+    points: deque[tuple[float, Array]] = deque([(0.0, _state(shell))], maxlen=3)
     axis, target = goal.coordinate(unit)
     span = target - (v, q)[axis]
     step = whole = abs(span) / steps
@@ -76,16 +82,19 @@ def follow(
     with VolumeControl(shell, shell.pressure, tolerance) as solver:
         for _ in range(_MOST_POINTS * steps):
             try:
+                _predict(shell, points, points[-1][0] + step)
                 iterations = _solve(solver, along, float(along @ (v, q)) + step, volume_0, unit)
                 new = _place(shell, volume_0, unit)
                 passed = _passed(goal, (v, q), new, unit)
                 if passed is not None:
                     iterations += _solve(solver, *passed, volume_0, unit)
             except EquilibriumError as error:
+                _set_state(shell, points[-1][1])
                 step /= 2
                 if step < _LEAST_STEP * whole:
                     raise PathError(f"no step from here converged: {error}") from error
                 continue
+            points.append((points[-1][0] + step, _state(shell)))
             yield iterations
             if passed is not None:
                 return
@@ -93,6 +102,24 @@ def follow(
                 along = np.array([new[0] - v, new[1] - q]) / hypot(new[0] - v, new[1] - q)
             (v, q), step = new, min(whole, 1.5 * step)
     raise PathError(f"{_MOST_POINTS * steps} points did not reach the goal")
+
+
+def _state(shell: Shell) -> Array:
+    """State and pressure of a shell in one array."""
+    return np.append(shell.w.x.array, float(shell.pressure.value))
+
+
+def _set_state(shell: Shell, state: Array) -> None:
+    shell.w.x.array[:], shell.pressure.value = state[:-1], state[-1]
+
+
+def _predict(shell: Shell, points: Sequence[tuple[float, Array]], place: float) -> None:
+    """Start a solution from the polynomial through the last points of the path."""
+    start = np.zeros_like(points[-1][1])
+    for i, (s, state) in enumerate(points):
+        others = [t for j, (t, _) in enumerate(points) if j != i]
+        start += state * np.prod([(place - t) / (s - t) for t in others])
+    _set_state(shell, start)
 
 
 def _solve(
@@ -117,10 +144,19 @@ def _passed(
     return np.eye(2)[axis], target
 
 
-def limit_pressure(shell: Shell, pressure: float, tolerance: float) -> float | None:
-    """Largest pressure on the way from the trial state to a given one, if it is a limit point.
+@dataclass(frozen=True)
+class LimitPoint:
+    """A largest pressure on a path: in MPa, and the iterations it took to find it."""
 
-    The walk is one in volume, at given growth; the trial state is moved.
+    pressure: float
+    iterations: int
+
+
+def limit_point(shell: Shell, pressure: float, tolerance: float) -> LimitPoint | None:
+    """Look for a limit point on the way from the trial state to a pressure.
+
+    The walk is one in volume, at given growth. The trial state is moved to just before the limit
+    point or, where there is none, to about the given pressure.
 
     Parameters
     ----------
@@ -133,8 +169,8 @@ def limit_pressure(shell: Shell, pressure: float, tolerance: float) -> float | N
 
     Returns
     -------
-    float or None
-        The pressure in MPa at the limit point; None if the given one was reached before.
+    LimitPoint or None
+        None if the given pressure was reached.
 
     Raises
     ------
@@ -143,21 +179,24 @@ def limit_pressure(shell: Shell, pressure: float, tolerance: float) -> float | N
     """
     sign = copysign(1.0, pressure - float(shell.pressure.value))
     points = [(shell.volume(), float(shell.pressure.value))]
-    step = largest = 0.02
+    step, spent = _LARGEST_WALK, 0
     with VolumeControl(shell, shell.pressure, tolerance) as solver:
-        while sign * (pressure - points[-1][1]) > 0:
+        for _ in range(_MOST_WALKED):
             try:
-                solver.solve(points[-1][0] * (1 + sign * step))
+                spent += solver.solve(points[-1][0] * (1 + sign * step))
             except EquilibriumError as error:
+                spent += error.iterations
                 step /= 2
-                if step < _LEAST_STEP * largest:
+                if step < _LEAST_STEP * _LARGEST_WALK:
                     raise PathError(f"no step from here converged: {error}") from error
                 continue
             points.append((shell.volume(), float(shell.pressure.value)))
-            step = min(largest, 1.5 * step)
+            step = min(_LARGEST_WALK, 1.5 * step)
             if len(points) > 2 and sign * (points[-1][1] - points[-2][1]) < 0:
                 volumes, pressures = np.array(points[-3:]).T
                 top = np.polynomial.Polynomial.fit(volumes, pressures, 2).deriv().roots()[0]
-                solver.solve(float(np.real(top)))
-                return float(shell.pressure.value)
-    return None
+                spent += solver.solve(float(np.real(top)) * (1 - sign * _BEFORE))
+                return LimitPoint(float(shell.pressure.value), spent)
+            if sign * (pressure - points[-1][1]) <= 0:
+                return None
+    raise PathError(f"{_MOST_WALKED} steps in volume did not reach the pressure")

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-
-import numpy as np
+from math import ceil
 
 _CUT = 0.5
 _GROWTH = 4.0  # largest growth of a step from one to the next
@@ -46,9 +45,20 @@ class TimeSteps:
         if not ahead:
             return None
         span = ahead[0] - time
-        pieces = max(1, int(np.ceil(span / self._wanted - 1e-9)))
+        pieces = max(1, ceil(span / self._wanted - 1e-9))
         self._taken = span / pieces
         return ahead[0] if pieces == 1 else time + self._taken
+
+    def leap(self, time: float) -> float | None:
+        """End of a step over a time in which nothing changes: the next milestone."""
+        wanted, self._wanted = self._wanted, float("inf")
+        end = self.propose(time)
+        self._wanted = wanted
+        return end
+
+    def bound(self) -> None:
+        """Cut the step that was too long for its method, and all that follow."""
+        self._fixed = self._wanted = _CUT * self._taken
 
     @property
     def exhausted(self) -> bool:

@@ -20,13 +20,13 @@ from fenics_yeast.record import COLUMNS, History, Profile, Profiles, Result, Row
 
 CONTRACT = (
     "time_min, pressure_MPa, volume_um3, volume_ratio, pole_height_um, bud_radius_um, "
-    "neck_radius_um, max_growth_strain, dissipation_rate, step_min, newton_iterations"
+    "neck_radius_um, max_growth_strain, dissipation_rate, step_min, newton_iterations, stable"
 )
 
 
 def a_row(time: float) -> Row:
     third = time / 3  # needs all its digits
-    values = (time, 0.1, 65.4, 1 + third, 5.0, 1.0, 1.0, np.float64(third), 0.0, 0.2, 3)
+    values = (time, 0.1, 65.4, 1 + third, 5.0, 1.0, 1.0, np.float64(third), 0.0, 0.2, 3, True)
     return Row(
         **dict.fromkeys(COLUMNS, True) | dict(zip(CONTRACT.split(", "), values, strict=True))
     )
@@ -72,7 +72,7 @@ def test_files_are_those_of_the_contract(tmp_path: Path, scene: Scene) -> None:
     assert Scene.load(folder.path / "scene.toml") == scene
     with open(folder.path / "history.csv") as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0])[:11] == CONTRACT.split(", ")
+    assert list(rows[0]) == CONTRACT.split(", ")
     assert [float(row["volume_ratio"]) for row in rows] == [1.0, 1 + 1 / 3]
     assert rows[1]["newton_iterations"] == "3"
     with np.load(folder.path / "profiles.npz") as arrays:

@@ -1,0 +1,253 @@
+"""A scene in time: loading, steps, and what ends them."""
+
+from __future__ import annotations
+
+from .equilibrium import Equilibrium, EquilibriumError
+from .evolution import Evolution, Step
+from .integrators import Tableau
+from .journal import Journal
+from .limit_point import Approach, approach
+from .outcome import Outcome, overloaded, worn_out
+from .scene import PressureTable, Scene
+from .shell import Shell
+from .stability import Stability
+from .static_path import LimitPoint, PathError, limit_point
+from .time_steps import TimeSteps
+
+_FAILURES = 2  # failed steps in a row after which a limit point is looked for
+_FIRST_STEP = 1e-3  # of the characteristic time of growth, where steps are adaptive
+_SLOW = 0.02  # rate V'/V0 of growth, times its characteristic time, below which it counts as slow
+_GIVEN = 1e-4  # of the characteristic time: a step in which growth counts as given
+_STILL = 1e-7  # change of the volume in a step after which it is asked whether anything grows
+_SWINGS = 2  # steps in a row after which swings to and fro are no accident
+
+
+class March:
+    """A run of a scene in time, or to a single equilibrium.
+
+    Parameters
+    ----------
+    scene, shell, equilibrium, stability
+        What is run, its unloaded wall and the solvers.
+    evolution, tableau
+        The wall in time and the method of its steps.
+    journal
+        Takes note of all steps.
+    tolerance
+        Norm of the residual in µN at which it counts as zero.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        shell: Shell,
+        equilibrium: Equilibrium,
+        stability: Stability,
+        evolution: Evolution,
+        tableau: Tableau,
+        journal: Journal,
+        tolerance: float,
+    ) -> None:
+        self._scene, self._shell = scene, shell
+        self._equilibrium, self._stability = equilibrium, stability
+        self._evolution, self._tableau = evolution, tableau
+        self._journal, self._tolerance = journal, tolerance
+        self._stable = True
+        self._swings = 0
+
+    @property
+    def _time(self) -> float:
+        return self._evolution.state.time
+
+    def go(self) -> Outcome:
+        """Run to the end, or to what ends the run."""
+        run, journal = self._scene.run, self._journal
+        lost = self._load()
+        if lost is not None:
+            return lost
+        if run is None:
+            journal.save()
+            return Outcome("finished", "equilibrium found")
+        if 0 in run.save:
+            journal.save()
+        kinks = self._kinks(run.end)
+        steps = self._time_steps([*kinks, *run.save, run.end])
+        while (end := self._propose(steps)) is not None:
+            try:
+                step = self._evolution.attempt(end)
+            except EquilibriumError as error:
+                journal.reject(error.iterations)
+                steps.failed()
+                if steps.exhausted:
+                    return self._failed(error)
+                if steps.failures >= _FAILURES and (lost := self._limit(end)):
+                    return lost
+                continue
+            if self._past_limit():
+                self._evolution.reject()
+                journal.reject(step.iterations)
+                steps.failed()
+                if lost := self._limit(end):
+                    return lost
+                if steps.exhausted:
+                    return self._failed(EquilibriumError("only states past a limit point", 0))
+                continue
+            if not self._good(steps, step, end):
+                self._evolution.reject()
+                journal.reject(step.iterations)
+                continue
+            start = self._time
+            self._evolution.accept(end)
+            if end in kinks:
+                self._evolution.forget()
+            journal.accept(end, end - start, step.iterations, self._stable)
+            if end in run.save:
+                journal.save()
+        grown = journal.rows[-1].max_growth_strain
+        idle = "; nothing grew: the stress stays below the threshold"
+        nothing = idle if self._scene.growth is not None and grown == 0 else ""
+        return Outcome("finished", f"reached {run.end:g} min{nothing}")
+
+    # --- loading --------------------------------------------------------------------------
+
+    def _load(self) -> Outcome | None:
+        """First equilibrium: at once, or where Newton's method fails or strays, step by step."""
+        evolution, journal = self._evolution, self._journal
+        try:
+            iterations = evolution.load()
+            if not self._past_limit():
+                journal.accept(0.0, 0.0, iterations, self._stable)
+                return None
+        except EquilibriumError as error:
+            iterations = error.iterations
+        journal.reject(iterations)
+        evolution.unload()
+        try:
+            limit = limit_point(self._shell, evolution.pressure(0.0), self._tolerance)
+            if limit is not None:
+                journal.iterations += limit.iterations
+                return overloaded(limit.pressure)
+            iterations = evolution.load()
+        except (EquilibriumError, PathError) as error:
+            evolution.unload()
+            return Outcome("failed", f"the wall finds no equilibrium under its pressure: {error}")
+        self._past_limit()
+        journal.accept(0.0, 0.0, iterations, self._stable)
+        return None
+
+    # --- steps ----------------------------------------------------------------------------
+
+    def _kinks(self, end: float) -> list[float]:
+        """Times in min at which the pressure's slope changes."""
+        turgor = self._scene.turgor
+        times = turgor.pressure.time if isinstance(turgor.pressure, PressureTable) else ()
+        return [min(turgor.ramp, end), *(t for t in times if t < end)]
+
+    def _time_steps(self, milestones: list[float]) -> TimeSteps:
+        """Fixed steps, or steps that follow the estimated error of growth."""
+        numerics, growing = self._scene.numerics, self._scene.growth
+        if numerics.step is not None:
+            return TimeSteps(milestones, numerics.step, None)
+        if growing is None:
+            return TimeSteps(milestones, max(milestones) / 100, None)
+        return TimeSteps(milestones, _FIRST_STEP * growing.time, self._tableau.estimate_order)
+
+    def _propose(self, steps: TimeSteps) -> float | None:
+        """End of the next step; where nothing will change, all the way to the next milestone."""
+        rows = self._journal.rows
+        changed = abs(rows[-1].volume_um3 - rows[max(0, len(rows) - 2)].volume_um3)
+        if changed <= _STILL * rows[-1].volume_um3:
+            milestone = steps.leap(self._time)
+            steady = milestone is None or not self._changing(milestone)
+            if steady and self._evolution.resting:
+                return milestone
+        return steps.propose(self._time)
+
+    @property
+    def _growing(self) -> bool:
+        return self._shell.growth is not None
+
+    def _changing(self, end: float) -> bool:
+        """Whether the pressure changes from now to a time before the next kink."""
+        return self._evolution.pressure(end) != self._evolution.pressure(self._time)
+
+    def _past_limit(self) -> bool:
+        """Whether the trial is past a limit point; notes whether it is stable."""
+        self._stable = self._stability.falling() == 0
+        return not self._stable and self._equilibrium.compliance() < 0
+
+    def _good(self, steps: TimeSteps, step: Step, end: float) -> bool:
+        """Whether the trial is good enough; adapts the steps."""
+        self._swings = self._swings + 1 if step.swing < -1 else 0
+        if self._scene.numerics.step is not None and self._swings == _SWINGS:
+            self._swings = 0
+            steps.bound()
+            return False
+        if self._scene.numerics.step is not None:
+            return steps.judge(0.0)
+        return steps.judge(self._badness(self._evolution.volume_error(step), end - self._time))
+
+    def _badness(self, error: float, dt: float) -> float:
+        """Estimated error of the volume, 1 being the largest wanted.
+
+        An error of the volume acts like a shift in time by it over `V'`, and shifts add up over
+        the run: it is held against what the cell grows in the characteristic time.
+        """
+        growing, journal = self._scene.growth, self._journal
+        if growing is None:
+            return 0.0
+        grown = abs(self._shell.volume() - journal.rows[-1].volume_um3) * growing.time / dt
+        wanted = self._scene.numerics.tolerance * max(grown, _SLOW * journal.volume_0)
+        return abs(error) / (self._tableau.caution * wanted)
+
+    # --- ends -----------------------------------------------------------------------------
+
+    def _limit(self, end: float) -> Outcome | None:
+        """Find out whether the wall loses its equilibrium on the way to a time, and tell."""
+        if not self._changing(end):
+            return worn_out(self._journal.rows[-1]) if self._meets_limit(end) else None
+        growing = self._scene.growth
+        start, pressure = self._time, self._evolution.pressure
+        if growing is not None and end - start > _GIVEN * growing.time:
+            return None
+        try:
+            limit = limit_point(self._shell, pressure(end), self._tolerance)
+        except PathError:
+            limit = None
+        if limit is None:
+            self._evolution.reject()
+            return None
+        part = (limit.pressure - pressure(start)) / (pressure(end) - pressure(start))
+        time = start + part * (end - start)
+        self._arrive(limit, time)
+        return overloaded(limit.pressure, time)
+
+    def _arrive(self, limit: LimitPoint, time: float) -> None:
+        """Accept the state at a limit point of an elastic wall; a growing one stays before it."""
+        if self._growing or time <= self._time:
+            self._evolution.reject()
+            return
+        start = self._time
+        self._evolution.accept(time)
+        self._journal.accept(time, time - start, limit.iterations, True)
+
+    def _meets_limit(self, end: float) -> bool:
+        """Whether growth loses the equilibrium on the way to a time, followed by volume."""
+        rows = self._journal.rows
+        grown = rows[-1].volume_um3 - rows[max(0, len(rows) - 2)].volume_um3
+        if not self._growing or grown <= 0:
+            return False
+        rate = grown / rows[-1].step_min
+        verdict, spent = approach(self._evolution, self._tolerance, rate, end, self._accept)
+        self._journal.iterations += spent
+        return verdict is Approach.LIMIT
+
+    def _accept(self, iterations: int, step: float) -> None:
+        """Note a state accepted on the approach to a limit point."""
+        stable = self._stability.falling() == 0
+        self._journal.accept(self._time, step, iterations, stable)
+
+    def _failed(self, error: EquilibriumError) -> Outcome:
+        return Outcome(
+            "failed", f"no step beyond {self._time:g} min, however small, converged: {error}"
+        )
