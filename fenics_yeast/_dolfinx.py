@@ -60,7 +60,7 @@ __all__ = [
 
 _ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
 _NEW_SPACES = hasattr(fem, "functionspace")
-_JIT = {"cffi_extra_compile_args": ["-O3", "-fno-math-errno"], "cffi_libraries": ["m"]}
+_JIT = {"cffi_extra_compile_args": ["-O2", "-fno-math-errno"], "cffi_libraries": ["m"]}
 _JIT_KEYWORD = "jit_options" if _NEW_SPACES else "jit_params"
 
 

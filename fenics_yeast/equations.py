@@ -49,9 +49,13 @@ class Equations:
         growth = self._following()
         return growth is None or growth.update()
 
-    def loaded(self, values: Any) -> bool:
-        """Whether these are the values of the trial state on this rank."""
-        return np.array_equal(self._w[: self.owned], values)
+    def load_if_needed(self, values: Any) -> None:
+        """Load values unless they are, on all ranks, those of the trial state already."""
+        loaded = np.array_equal(self._w[: self.owned], values)
+        if self.shell.comm.size > 1:
+            loaded = self.shell.comm.allreduce(loaded, op=dx.MPI.LAND)
+        if not loaded:
+            self.load(values)
 
     def residual(self, values: Any, out: Any) -> None:
         """Residual at values of the owned unknowns; not a number where growth cannot follow."""
@@ -64,7 +68,7 @@ class Equations:
         """Bring the matrix up to the trial state."""
         shell, growth, form = self.shell, self._following(), self.shell.tangent
         if growth is not None:
-            growth.differentiate()
+            shell.differentiate()
             form = shell.consistent_tangent
         dx.assemble_matrix(self.matrix, form, shell.conditions)
 

@@ -131,8 +131,7 @@ class Equilibrium:
             self._shell.restore(before)
             self._stage = -1.0
             raise
-        if not self._equations.loaded(self._x.array_r):
-            self._equations.load(self._x.array_r)
+        self._equations.load_if_needed(self._x.array_r)
         return iterations
 
     def compliance(self) -> float:

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 _STILL = 1e-6  # a change of the growth strain after which Newton's method leaves its square
 _MOST_ITERATIONS = 60
+_PATIENCE = 6  # full steps between two halved ones
 
 
 class GrowthState:
@@ -68,7 +69,9 @@ class GrowthState:
 
         self.points: list[growth.WallPoint] = []
         self.rates: list[Any] = []
-        steps, by_strain, by_stage = [], [], []
+        self.by_strain: list[Any] = []  # dε^g/dε of the update, 2 by 2
+        self.by_stage: list[Any] = []  # its derivative by the stage's length
+        steps = []
         for j, strain in enumerate(eps):
             eps_j = ufl.variable(strain)
             eps_g = ufl.variable(self.strain(j))
@@ -80,18 +83,12 @@ class GrowthState:
             inverse = ufl.inv(ufl.diff(residual, eps_g))
             self.points.append(point)
             self.rates.append(rate)
+            self.by_strain.append(-inverse * ufl.diff(residual, eps_j))
+            self.by_stage.append(inverse * rate)
             steps.append(eps_g - inverse * residual)
-            by_stage.append(inverse * rate)
-            derivative = -inverse * ufl.diff(residual, eps_j)
-            by_strain += [derivative[0, :], derivative[1, :]]
         points = dx.quadrature_points(degree)
         self._newton_step = dx.compile_expression(_flatten(steps), points)
         self._rate = dx.compile_expression(_flatten(self.rates), points)
-        self._by_strain = dx.compile_expression(_flatten(by_strain), points)
-        self._by_stage = dx.compile_expression(_flatten(by_stage), points)
-        self._strain_sensitivity = dx.fem.Function(dx.quadrature_space(mesh, 4 * len(eps), degree))
-        self._strain_dofs = dx.dof_array(self._strain_sensitivity.function_space)[cells]
-        self._stage_sensitivity = dx.fem.Function(space)
 
     def strain(self, j: int) -> Any:
         """Trial growth strains at thickness point j, a UFL vector."""
@@ -116,34 +113,20 @@ class GrowthState:
     def update(self) -> bool:
         """Solve the stage equation at every point for the trial strains; False if it fails."""
         current = self.get()
-        for _ in range(_MOST_ITERATIONS):
+        for iteration in range(_MOST_ITERATIONS):
             following = self._evaluate(self._newton_step)
             change = np.abs(following - current).max(initial=0.0)
-            self.set(following)
             if change < _STILL:
+                self.set(following)
                 return True
             if not np.isfinite(change):
                 break
+            if iteration % _PATIENCE == _PATIENCE - 1:
+                # At the threshold full steps can go to and fro between its two sides.
+                following = (following + current) / 2
+            self.set(following)
             current = following
         return False
-
-    def followed(self, j: int, d_eps: Any) -> Any:
-        """Change of the growth strains at thickness point j for a change of strain, in UFL."""
-        a = [self._strain_sensitivity[4 * j + i] for i in range(4)]
-        return ufl.as_vector([a[0] * d_eps[0] + a[1] * d_eps[1], a[2] * d_eps[0] + a[3] * d_eps[1]])
-
-    def lengthened(self, j: int) -> Any:
-        """Change of the growth strains at thickness point j with the stage's length, in UFL."""
-        return ufl.as_vector([self._stage_sensitivity[2 * j + i] for i in range(2)])
-
-    def differentiate(self) -> None:
-        """Bring `followed`, the derivative of the update by the strain, up to the trial state."""
-        values = self._evaluate(self._by_strain)
-        self._strain_sensitivity.x.array[self._strain_dofs] = values
-
-    def differentiate_by_stage(self) -> None:
-        """Bring `lengthened`, the derivative of the update by the stage, up to the trial state."""
-        self._stage_sensitivity.x.array[self._dofs] = self._evaluate(self._by_stage)
 
     def _evaluate(self, expression: Any) -> Array:
         return dx.evaluate(expression, self._mesh, self._cells)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from . import growth, kinematics
 from .growth_state import GrowthState
 from .laws import Law
 from .meridian import Discretisation
+from .point_field import PointField
 
 Array = NDArray[np.float64]
 
@@ -189,16 +192,17 @@ class Shell:
             E = kinematics.green_lagrange(parts, float(zeta) * self._h / 2)
             self.eps.append(ufl.as_vector([kinematics.logarithmic(E_i) for E_i in E]))
 
-    def _wall_energy(self, eps_g: list[Any]) -> Any:
-        """Energy of the wall per reference area: ψ integrated through the thickness.
+    def _resultants(self, eps_g: list[Any]) -> list[Any]:
+        """Part of each thickness point in the resultants `(N1, N2, M1, M2)` of the wall.
 
-        `eps_g` holds the growth strains at the thickness points; empty where nothing grows.
+        `eps_g` holds the growth strains at the points; empty where nothing grows.
         """
-        total = 0
+        parts = []
         for j, (weight, eps) in enumerate(zip(self._weights, self.eps, strict=True)):
             eps_e = kinematics.elastic(eps, eps_g[j]) if eps_g else eps
-            total += float(weight) * self._h / 2 * self.energy(eps_e)
-        return total
+            energy = float(weight) * self._h / 2 * self.energy(eps_e)
+            parts.append(ufl.diff(energy, self._E))
+        return parts
 
     def _derive(self) -> None:
         """Residual and tangents of the potential.
@@ -213,27 +217,20 @@ class Shell:
         dD_E = ufl.derivative(d_E, self.w, dw)
         lagrangian = (self._Q * self._gamma - self._Q**2 * self._compliance / 2) * self._R
         lagrangian -= self.pressure * self._enclosed
-        residual, tangent, followed, lengthened = 0, 0, 0, 0
-        regions: list[tuple[int, list[Any]]] = [(_ELASTIC, [])]
+        residual, tangent = 0, 0
+        elastic = self._resultants([])
+        eps_g: list[Any] = []
         if self.growth is not None:
             eps_g = [ufl.variable(self.growth.strain(j)) for j in range(len(self.eps))]
-            regions.append((_GROWING, eps_g))
-        for tag, eps_g in regions:
-            dS = self._dS(tag)
-            resultants = ufl.diff(self._wall_energy(eps_g), self._E)
-            stiffness = ufl.diff(resultants, self._E)
+        growing = self._resultants(eps_g)
+        regions = [(_ELASTIC, elastic), (_GROWING, growing)]
+        for tag, parts in regions[: 1 if self.growth is None else 2]:
+            dS, resultants = self._dS(tag), reduce(add, parts)
             rest = ufl.derivative(lagrangian * dS, self.w, v)
             residual += ufl.dot(resultants, d_E) * self._R * dS + rest
-            tangent += ufl.dot(d_E, stiffness * D_E) * self._R * dS
+            tangent += ufl.dot(d_E, ufl.diff(resultants, self._E) * D_E) * self._R * dS
             tangent += ufl.dot(resultants, dD_E) * self._R * dS
             tangent += ufl.derivative(rest, self.w, dw)
-            if self.growth is not None and eps_g:
-                for j, eps in enumerate(self.eps):
-                    follow = self.growth.followed(j, ufl.diff(eps, self._E) * D_E)
-                    change = ufl.diff(resultants, eps_g[j]) * follow
-                    followed += ufl.dot(d_E, change) * self._R * dS
-                    change = ufl.diff(resultants, eps_g[j]) * self.growth.lengthened(j)
-                    lengthened += ufl.dot(d_E, change) * self._R * dS
         enclosed = self._enclosed * self._dS
         self.residual = dx.compile_form(residual)
         self.tangent = dx.compile_form(tangent)
@@ -241,9 +238,34 @@ class Shell:
         self._volume = dx.compile_form(2 * np.pi * enclosed)
         self.consistent_tangent = self.stage_force = self._dissipation = None
         if self.growth is not None:
-            self.consistent_tangent = dx.compile_form(tangent + followed)
-            self.stage_force = dx.compile_form(lengthened)
+            by_growth = [ufl.diff(part, g) for part, g in zip(growing, eps_g, strict=True)]
+            followed, lengthened = self._follow(self.growth, by_growth)
+            dS = self._dS(_GROWING)
+            tangent += ufl.dot(d_E, followed * D_E) * self._R * dS
+            self.consistent_tangent = dx.compile_form(tangent)
+            self.stage_force = dx.compile_form(ufl.dot(d_E, lengthened) * self._R * dS)
             self._dissipation = self._compile_dissipation(self.growth)
+
+    def _follow(self, state: GrowthState, by_growth: list[Any]) -> tuple[Any, Any]:
+        """Derivatives of the resultants by strain and by stage that go through the growth update.
+
+        They are evaluated once for each tangent, on the growing cells, and enter its form as
+        numbers, 4 by 4 and 4: far less to compile than their expressions.
+        """
+        changes = list(zip(by_growth, state.by_strain, self.eps, strict=True))
+        D = reduce(add, [N_g * g_eps * ufl.diff(eps, self._E) for N_g, g_eps, eps in changes])
+        d = reduce(add, [N_g * g_a for N_g, g_a in zip(by_growth, state.by_stage, strict=True)])
+        place = (self.mesh, self.growing_cells, self.degree)
+        self._followed = PointField(*place, [D[i, j] for i in range(4) for j in range(4)])
+        self._lengthened = PointField(*place, [d[i] for i in range(4)])
+        f = self._followed.function
+        matrix = ufl.as_matrix([[f[4 * i + j] for j in range(4)] for i in range(4)])
+        return matrix, self._lengthened.function
+
+    def differentiate(self) -> None:
+        """Bring `consistent_tangent` and `stage_force` up to the trial state."""
+        self._followed.update()
+        self._lengthened.update()
 
     @property
     def _enclosed(self) -> Any:

@@ -131,7 +131,6 @@ class VolumeControl:
         if self._growth is None:
             self._column.array[:] = -self._row.array_r
         else:
-            self._growth.differentiate_by_stage()
             equations.assemble(shell.stage_force, self._column.array)
         self._row.scale(2 * np.pi * self._weight * self._by_volume)
         self._solver.solve(self._column, self._b)
