@@ -18,7 +18,10 @@ from .volume_control import VolumeControl
 Array = NDArray[np.float64]
 
 LIMIT_POINT = TABLEAUX["sdirk3"]  # steps in volume, whatever method is used in time
-_MEMORY = 3  # solved states through which the start of the next solution is extrapolated
+_STABLE = 1.8  # times its rate: length of a step in which forward Euler damps a decay; below 2
+_NUDGE = 1e-7  # growth strain by which the growth rate is differentiated
+_POWERS = 3
+_MEMORY = 4  # solved states through which the start of the next solution is extrapolated
 
 
 @dataclass(frozen=True)
@@ -40,15 +43,10 @@ class Step:
     error
         Estimated error of the growth strains, in the layout of `GrowthState.get`; None for an
         elastic wall.
-    swing
-        Of an explicit method: by what factor the change of the growth rate over this step is
-        that of the step before. Below -1 it swings to and fro, more so from step to step: the
-        step is beyond the method's limit of stability. 0 where that says nothing.
     """
 
     iterations: int
     error: Array | None
-    swing: float = 0.0
 
 
 class Evolution:
@@ -82,8 +80,8 @@ class Evolution:
         self._before: list[tuple[float, Array]] = []
         self._rate: Array | None = None  # of growth in the accepted state, where it is known
         self._last_rate: Array | None = None  # in the trial
-        self._change: Array | None = None  # of that rate over the last step, per time
-        self._trial_change: Array | None = None
+        self._explicit = not tableau.A.diagonal().any()
+        self._stiffest: Array | None = None  # direction at each point in which growth is stiffest
         self._unloaded = self.state = self._capture(0.0)
 
     def load(self) -> int:
@@ -189,7 +187,6 @@ class Evolution:
     def accept(self, time: float) -> None:
         """Make the trial the accepted state."""
         self.state = self._capture(time)
-        self._change, self._trial_change = self._trial_change, None
         self._rate, self._last_rate = self._last_rate, None
 
     @property
@@ -202,7 +199,7 @@ class Evolution:
     def reject(self) -> None:
         """Bring the shell back to the accepted state."""
         self._restore()
-        self._last_rate = self._trial_change = None
+        self._last_rate = None
         self._recent.clear()
         self._recent.extend(self._before)
 
@@ -210,7 +207,6 @@ class Evolution:
         """Do not extrapolate over what came before: the load has a kink here."""
         self._recent.clear()
         self._recent.append((self.state.time, self.state.wall.w))
-        self._change = None
 
     def _stages(self, end: float) -> Step:
         growth, start = self.shell.growth, self.state.time
@@ -238,21 +234,40 @@ class Evolution:
         error = dt * sum(b * k for b, k in zip(weights, rates, strict=True))
         growth.stage.value = 0.0
         self._last_rate = rates[-1]
-        swing = 0.0 if A.diagonal().any() else self._swing((rates[-1] - rates[0]) / dt)
-        return Step(iterations, error, swing)
+        return Step(iterations, error)
 
-    def _swing(self, change: Array) -> float:
-        """Factor from the last step's change of the growth rate to this one's."""
-        last, self._trial_change = self._change, change
-        if last is None:
-            return 0.0
-        products = np.array([np.vdot(change, last), np.vdot(last, last)])
-        along, size = self.shell.comm.allreduce(products)
-        return float(along / size) if size > 0 else 0.0
+    @property
+    def longest_step(self) -> float:
+        """Longest step in min in which the method is stable; infinite where it is implicit.
+
+        Growth at given strain relaxes the stress, at the rate of the largest eigenvalue of
+        `-d rate/d ε^g`, found at each point by power iterations. An equilibrium in which all
+        strains may give is slower, but growth that varies through the wall is as fast.
+        """
+        growth = self.shell.growth
+        if growth is None or not self._explicit:
+            return np.inf
+        accepted, rate = growth.get(), growth.rate()
+        pairs = (*accepted.shape[:-1], -1, 2)
+        v = rate if self._stiffest is None else self._stiffest
+        size = np.zeros(1)
+        for _ in range(_POWERS):
+            length = np.linalg.norm(v.reshape(pairs), axis=-1, keepdims=True)
+            v = (v.reshape(pairs) / np.where(length > 0, length, 1)).reshape(rate.shape)
+            growth.set(accepted + _NUDGE * v)
+            v = (rate - growth.rate()) / _NUDGE
+            size = np.linalg.norm(v.reshape(pairs), axis=-1)
+        growth.set(accepted)
+        self._stiffest = v
+        largest = self.shell.comm.allreduce(float(size.max(initial=0.0)), op=dx.MPI.MAX)
+        return _STABLE / largest if largest > 0 else np.inf
 
     def volume_error(self, step: Step) -> float:
         """Estimated error in µm³ of the volume of the trial that an attempt has just made."""
-        return 0.0 if step.error is None else self._equilibrium.volume_change(step.error)
+        exact = step.error is None or not step.error.any()
+        if self.shell.comm.allreduce(exact, op=dx.MPI.LAND) or step.error is None:
+            return 0.0
+        return self._equilibrium.volume_change(step.error)
 
     def _solve(self, time: float) -> int:
         """Equilibrium at a time, from an extrapolated start; if that fails, from a plain one."""
@@ -268,6 +283,8 @@ class Evolution:
                 iterations = self._equilibrium.solve()
             except EquilibriumError as again:
                 raise EquilibriumError(str(again), spent + again.iterations) from error
+        if self._recent and self._recent[-1][0] == time:  # steps too short to tell apart
+            self._recent.pop()
         self._recent.append((time, self.shell.w.x.array.copy()))
         return spent + iterations
 

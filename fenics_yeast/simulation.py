@@ -170,7 +170,7 @@ def _precision(scene: Scene) -> float:
     """Relative size at which a residual counts as zero: below the errors of adaptive steps."""
     numerics = scene.numerics
     fixed = numerics.step is not None or scene.growth is None
-    return 1e-9 if fixed else min(1e-5, 0.05 * numerics.tolerance)
+    return 1e-8 if fixed else min(1e-5, 0.05 * numerics.tolerance)
 
 
 def _force(scene: Scene, nodes: int) -> float:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from . import _dolfinx as dx
 from .shell import Shell
 
+_SAME = 2e-3  # change of the volume up to which a count is taken over
+
 
 class Stability:
     """Counts the directions in which the potential of a shell falls; a context manager.
@@ -16,6 +18,7 @@ class Stability:
 
     def __init__(self, shell: Shell) -> None:
         self._shell = shell
+        self._falling, self._place = 0, (0.0, 0.0)
         self._matrix = dx.create_matrix(shell.tangent)
         self._matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
         self._multipliers = dx.size_of_second(shell.space)
@@ -38,7 +41,23 @@ class Stability:
         self._matrix.destroy()
 
     def falling(self) -> int:
-        """Number of independent directions in which the potential falls; 0 where stable."""
+        """Number of independent directions in which the potential falls; 0 where stable.
+
+        It is counted anew where the volume has moved since the last count, or the pressure:
+        towards a limit point the volume moves ever faster.
+        """
+        place = (self._shell.volume(), float(self._shell.pressure.value))
+        if self._near(place):
+            return self._falling
+        self._falling, self._place = self._count(), place
+        return self._falling
+
+    def _near(self, place: tuple[float, float]) -> bool:
+        """Whether the last count was in a state that looks the same from here."""
+        volume, pressure = self._place
+        return abs(place[0] - volume) < _SAME * volume and place[1] == pressure
+
+    def _count(self) -> int:
         dx.assemble_matrix(self._matrix, self._shell.tangent, self._shell.conditions)
         self._solver.setUp()
         negative, _, _ = self._solver.getFactorMatrix().getInertia()
