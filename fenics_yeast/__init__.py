@@ -7,7 +7,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from .scene import Scene, SceneError
@@ -17,10 +16,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Scene", "SceneError", "simulate"]
 
-__version__ = version("fenics-yeast")
-
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":  # reading it costs a tenth of the start-up
+        from importlib.metadata import version
+
+        return version("fenics-yeast")
     if name == "simulate":  # loads dolfinx, which a scene alone does not need
         from .simulation import simulate
 
