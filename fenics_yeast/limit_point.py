@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import Enum
+from math import copysign
 
 from .equilibrium import EquilibriumError
 from .evolution import Evolution
@@ -39,7 +40,7 @@ def approach(
     tolerance
         Norm of the residual in µN at which it counts as zero.
     growth_rate
-        Rate of the volume at the accepted state in µm³/min, positive.
+        Rate of the volume at the accepted state in µm³/min, not zero.
     milestone
         Time in min that must not be passed.
     accepted
@@ -54,8 +55,8 @@ def approach(
     if shell.growth is None:
         raise ValueError("an elastic wall does not change in time")
     spent = 0
-    largest = _LARGEST_STEP * shell.volume()
-    change = 0.25 * largest
+    largest = copysign(_LARGEST_STEP * shell.volume(), growth_rate)
+    change = 0.5 * largest
     with VolumeControl(shell, shell.growth.stage, tolerance) as control:
         for _ in range(_MOST_STEPS):
             start, volume = evolution.state.time, shell.volume()
@@ -65,7 +66,7 @@ def approach(
             except EquilibriumError as error:
                 spent += error.iterations
                 change /= 4
-                if change < _LEAST_STEP * volume:
+                if abs(change) < _LEAST_STEP * volume:
                     return Approach.STUCK, spent
                 continue
             if dt <= 0:
@@ -82,5 +83,5 @@ def approach(
             evolution.accept(start + dt)
             accepted(iterations, dt)
             growth_rate = change / dt
-            change = min(1.5 * change, largest)
+            change = min(1.5 * change, largest, key=abs)
     return Approach.STUCK, spent

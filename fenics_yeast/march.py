@@ -14,12 +14,11 @@ from .stability import Stability
 from .static_path import LimitPoint, PathError, limit_point
 from .time_steps import TimeSteps
 
-_FAILURES = 2  # failed steps in a row after which a limit point is looked for
+_FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
 _FIRST_STEP = 1e-3  # of the characteristic time of growth, where steps are adaptive
 _SLOW = 0.02  # rate V'/V0 of growth, times its characteristic time, below which it counts as slow
 _GIVEN = 1e-4  # of the characteristic time: a step in which growth counts as given
 _STILL = 1e-7  # change of the volume in a step after which it is asked whether anything grows
-_SWINGS = 2  # steps in a row after which swings to and fro are no accident
 
 
 class March:
@@ -53,7 +52,7 @@ class March:
         self._evolution, self._tableau = evolution, tableau
         self._journal, self._tolerance = journal, tolerance
         self._stable = True
-        self._swings = 0
+        self._cut = False
 
     @property
     def _time(self) -> float:
@@ -80,7 +79,7 @@ class March:
                 steps.failed()
                 if steps.exhausted:
                     return self._failed(error)
-                if steps.failures >= _FAILURES and (lost := self._limit(end)):
+                if steps.failures >= self._patience and (lost := self._limit(end)):
                     return lost
                 continue
             if self._past_limit():
@@ -104,9 +103,12 @@ class March:
             if end in run.save:
                 journal.save()
         grown = journal.rows[-1].max_growth_strain
-        idle = "; nothing grew: the stress stays below the threshold"
-        nothing = idle if self._scene.growth is not None and grown == 0 else ""
-        return Outcome("finished", f"reached {run.end:g} min{nothing}")
+        message = f"reached {run.end:g} min"
+        if self._growing and grown == 0:
+            message += "; nothing grew: the stress stays below the threshold"
+        if self._cut:
+            message += f"; steps were cut, for {self._tableau.name} is not stable in longer ones"
+        return Outcome("finished", message)
 
     # --- loading --------------------------------------------------------------------------
 
@@ -161,7 +163,11 @@ class March:
             steady = milestone is None or not self._changing(milestone)
             if steady and self._evolution.resting:
                 return milestone
-        return steps.propose(self._time)
+        wanted, longest = steps.propose(self._time), self._evolution.longest_step
+        if wanted is None or wanted - self._time <= longest:
+            return wanted
+        self._cut = self._cut or self._scene.numerics.step is not None
+        return steps.propose(self._time, longest)
 
     @property
     def _growing(self) -> bool:
@@ -178,11 +184,6 @@ class March:
 
     def _good(self, steps: TimeSteps, step: Step, end: float) -> bool:
         """Whether the trial is good enough; adapts the steps."""
-        self._swings = self._swings + 1 if step.swing < -1 else 0
-        if self._scene.numerics.step is not None and self._swings == _SWINGS:
-            self._swings = 0
-            steps.bound()
-            return False
         if self._scene.numerics.step is not None:
             return steps.judge(0.0)
         return steps.judge(self._badness(self._evolution.volume_error(step), end - self._time))
@@ -199,6 +200,14 @@ class March:
         grown = abs(self._shell.volume() - journal.rows[-1].volume_um3) * growing.time / dt
         wanted = self._scene.numerics.tolerance * max(grown, _SLOW * journal.volume_0)
         return abs(error) / (self._tableau.caution * wanted)
+
+    @property
+    def _patience(self) -> int:
+        """Failed steps in a row after which a limit point is looked for.
+
+        Adaptive steps are short where much happens: one that fails has met something.
+        """
+        return _FAILURES if self._scene.numerics.step is not None else 1
 
     # --- ends -----------------------------------------------------------------------------
 
@@ -235,10 +244,11 @@ class March:
         """Whether growth loses the equilibrium on the way to a time, followed by volume."""
         rows = self._journal.rows
         grown = rows[-1].volume_um3 - rows[max(0, len(rows) - 2)].volume_um3
-        if not self._growing or grown <= 0:
+        if not self._growing or grown == 0:
             return False
         rate = grown / rows[-1].step_min
         verdict, spent = approach(self._evolution, self._tolerance, rate, end, self._accept)
+        self._evolution.forget()
         self._journal.iterations += spent
         return verdict is Approach.LIMIT
 

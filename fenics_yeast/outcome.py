@@ -28,11 +28,11 @@ def overloaded(limit: float, time: float | None = None) -> Outcome:
 
 def worn_out(row: Row) -> Outcome:
     """The wall has grown to a limit point; `row` is the last state before."""
-    return Outcome(
-        "no-equilibrium",
-        f"beyond {row.time_min:.2f} min, at V/V0 = {row.volume_ratio:.4f}, there is no "
-        "equilibrium: the wall has grown so soft that it can no longer carry the turgor",
-    )
+    why = "the wall has grown so soft that it can no longer carry the turgor"
+    if row.pressure_MPa < 0:
+        why = "the wall has shrunk into a shape that gives way to the pressure from outside"
+    where = f"beyond {row.time_min:.2f} min, at V/V0 = {row.volume_ratio:.4f}"
+    return Outcome("no-equilibrium", f"{where}, there is no equilibrium: {why}")
 
 
 def remarks(rows: Sequence[Row]) -> str:

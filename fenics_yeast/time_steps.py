@@ -23,10 +23,13 @@ class TimeSteps:
     step
         Length of the first step, in min, to which later ones go back after a cut; where errors
         are estimated, only that of the first one.
-    failures
-        Steps in a row that found no equilibrium.
     order
         Order of the estimated error in the step; None: fixed steps.
+
+    Attributes
+    ----------
+    failures
+        Steps in a row that found no equilibrium.
     """
 
     def __init__(self, milestones: Iterable[float], step: float, order: int | None) -> None:
@@ -38,14 +41,14 @@ class TimeSteps:
         self._last_error = 1.0
         self.failures = 0
 
-    def propose(self, time: float) -> float | None:
-        """End of the next step from a time; None at the end of the run."""
+    def propose(self, time: float, longest: float = float("inf")) -> float | None:
+        """End of the next step from a time, of a bounded length; None at the end of the run."""
         tiny = 1e-12 * self._milestones[-1]
         ahead = [t for t in self._milestones if t > time + tiny]
         if not ahead:
             return None
         span = ahead[0] - time
-        pieces = max(1, ceil(span / self._wanted - 1e-9))
+        pieces = max(1, ceil(span / min(self._wanted, longest) - 1e-9))
         self._taken = span / pieces
         return ahead[0] if pieces == 1 else time + self._taken
 
@@ -55,10 +58,6 @@ class TimeSteps:
         end = self.propose(time)
         self._wanted = wanted
         return end
-
-    def bound(self) -> None:
-        """Cut the step that was too long for its method, and all that follow."""
-        self._fixed = self._wanted = _CUT * self._taken
 
     @property
     def exhausted(self) -> bool:
