@@ -67,7 +67,8 @@ def test_thinner_sphere_is_closer_to_the_ode(sphere_errors):
 def test_integrator_has_its_order(sphere_scene, name):
     """Fitted to the differences of V/V0 at 2 min between steps and half of them."""
     order = TABLEAUX[name].order
-    steps = 1.0 * 0.5 ** np.arange(5 if order == 1 else 4)
+    first = 0.25 if name == "forward-euler" else 1.0  # within its limit of stability
+    steps = first * 0.5 ** np.arange(5 if order == 1 else 4)
     volumes = []
     for step in steps:
         values = {"numerics.integrator": name, "numerics.step": step, "run.end": 2.0}
