@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
+from math import isnan
 from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
-    from .record import Profile, Result, Row
+    from collections.abc import Iterator
+
+    from .record import ErrorBars, Profile, Result, Row
     from .scene import Scene
 
 
@@ -32,8 +35,16 @@ class Lines:
         if self._row is not None:
             _print(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
 
+    def refining(self, part: str) -> None:
+        """Nothing: the lines at the end have it."""
+
     def summary(self, result: Result, place: str) -> None:
-        """Say how the run ended and where its files are."""
+        """Say what the error bars are, how the run ended and where its files are."""
+        if result.error_bars is not None:
+            for cells in [_HEADINGS, *_rows(result.error_bars)]:
+                _print("  ".join(f"{cell:>16}" for cell in cells))
+            if result.error_bars.message:
+                _print(result.error_bars.message)
         _print(f"{result.status}, see {place}")
 
 
@@ -85,6 +96,11 @@ class ProgressLine:
     def saved(self, profile: Profile) -> None:
         """Nothing: the table at the end has it."""
 
+    def refining(self, part: str) -> None:
+        """Say what the error bars are waiting for."""
+        state = f"error bars: {part.replace('_', ' ')} refined"
+        self._progress.update(self._task, total=None, state=state, left="")
+
     def summary(self, result: Result, place: str) -> None:
         """Show the volumes at the saved times, how the run ended and where its files are."""
         from rich import box
@@ -106,7 +122,25 @@ class ProgressLine:
             ]
             table.add_row(*cells[: len(headings)])
         self._console.print(table)
+        if result.error_bars is not None:
+            table = Table(*_HEADINGS, title="errors of V/V0", box=box.SIMPLE_HEAD, pad_edge=False)
+            for column in table.columns:
+                column.justify = "right"
+            for cells in _rows(result.error_bars):
+                table.add_row(*cells)
+            self._console.print(table)
+            if result.error_bars.message:
+                self._console.print(result.error_bars.message)
         self._console.print(f"{result.status}, see {place}")
+
+
+_HEADINGS = ("time (min)", "time steps", "mesh", "thickness points", "shear penalty", "total")
+
+
+def _rows(bars: ErrorBars) -> Iterator[list[str]]:
+    """Error bars in words, a row for each time."""
+    for time, *errors in zip(*bars.columns().values(), strict=True):
+        yield [f"{time:.4g}", *("unknown" if isnan(e) else f"{e:.1e}" for e in errors)]
 
 
 def _print(line: str) -> None:

@@ -49,6 +49,10 @@ def run(
         list[str] | None,
         typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a value; may be repeated."),
     ] = None,
+    error_bars: Annotated[
+        bool,
+        typer.Option("--error-bars", help="Run it again, refined, to estimate errors of V/V0."),
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Run a scene into an output folder.
@@ -66,20 +70,20 @@ def run(
     path = Path("out", scene.name) if out is None else out
     try:
         with _terminated_as_interrupted():
-            result = _run(path, scene, quiet)
+            result = _run(path, scene, error_bars, quiet)
     except KeyboardInterrupt:
         _fail("interrupted", _INTERRUPTED)
     if result.status != "finished":
         _fail(result.message, _EXIT[result.status])
 
 
-def _run(path: Path, scene: Scene, quiet: bool) -> Result:
+def _run(path: Path, scene: Scene, error_bars: bool, quiet: bool) -> Result:
     from .job import DolfinxMissing, RunLost, run_into
     from .output import OutputError
 
     screen = None if quiet else _screen(scene)
     try:
-        result = run_into(path, scene, screen=screen, began=_BEGAN)
+        result = run_into(path, scene, screen=screen, began=_BEGAN, with_error_bars=error_bars)
     except OutputError as error:
         _fail(str(error), _BAD_INPUT)
     except DolfinxMissing as error:
@@ -107,14 +111,22 @@ def plot(
 ) -> None:
     """Draw the figures of a finished or a running output folder."""
     from . import plots
-    from .output import OutputError, load_history, load_profiles, load_scene, load_status, writing
+    from .output import (
+        OutputError,
+        load_error_bars,
+        load_history,
+        load_profiles,
+        load_scene,
+        load_status,
+        writing,
+    )
 
     try:
         scene, status = load_scene(directory), load_status(directory)
         profiles = load_profiles(directory)  # before the history, which is ahead of them
-        history = load_history(directory)
+        history, bars = load_history(directory), load_error_bars(directory)
         with writing(directory):
-            drawn = plots.draw(directory, scene, history, profiles, status)
+            drawn = plots.draw(directory, scene, history, profiles, status, bars)
     except (SceneError, OutputError) as error:
         _fail(str(error), _BAD_INPUT)
     if not drawn:

@@ -8,15 +8,15 @@ added by their size, so that they cannot cancel.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import ceil, isinf
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .integrators import TABLEAUX
-from .record import Result
+from .record import ErrorBars, Result
 from .scene import Scene
 from .simulation import simulate
 
@@ -25,40 +25,9 @@ Part = Literal["time_steps", "mesh", "thickness_points", "shear_penalty"]
 
 _FINER_MESH, _FINER_WALL = 1.5, 1.6
 _MOST_ELEMENTS, _MOST_POINTS = 100_000, 16  # that a scene may have
+_UNREACHED = "no error bars: the run has reached none of its saved times"
+_PATH = "no error bars: a path has no times to be compared at"
 _WALL_ORDER = 2  # measured: the growth rate has a kink where stress passes the threshold
-
-
-@dataclass(frozen=True)
-class ErrorBars:
-    """Estimated errors of V/V0 at the saved times that the run has reached.
-
-    Attributes
-    ----------
-    time_min
-        The times in min, shape ``(n,)``.
-    time_steps, mesh, thickness_points, shear_penalty
-        Parts of the error, at least 0, shape ``(n,)``; not a number where the refined run has
-        not come that far.
-    message
-        Which refined runs ended early, and why; empty if none did.
-    """
-
-    time_min: Array
-    time_steps: Array
-    mesh: Array
-    thickness_points: Array
-    shear_penalty: Array
-    message: str = ""
-
-    @property
-    def total(self) -> Array:
-        """Sum of the parts, shape ``(n,)``."""
-        return self.time_steps + self.mesh + self.thickness_points + self.shear_penalty
-
-    def columns(self) -> dict[str, Array]:
-        """Times, parts and total by name."""
-        names = [field.name for field in fields(self) if field.name != "message"]
-        return {**{name: getattr(self, name) for name in names}, "total": self.total}
 
 
 @dataclass(frozen=True)
@@ -108,21 +77,19 @@ def error_bars(
         If a refined run is interrupted.
     """
     times = _reached(scene, result)
-    if not times:
-        return ErrorBars(*np.zeros((5, 0)))
-    own = np.array([result.history.at(time).volume_ratio for time in times])
-    parts = {part: np.zeros(len(times)) for part in Part.__args__}  # type: ignore[attr-defined]
-    ended_early = []
-    for refinement in refinements(_until(scene, times)):
+    own = _volumes(result, times)
+    parts = {part: np.zeros(len(times)) for part in get_args(Part)}
+    remarks = [] if times else [_UNREACHED if scene.path is None else _PATH]
+    for refinement in refinements(scene) if times else ():
         if announce is not None:
             announce(refinement.part)
         finer = simulate(_until(scene, times).with_values(refinement.changes), comm=comm)
         if finer.status == "interrupted":
             raise KeyboardInterrupt
         if finer.status != "finished":
-            ended_early.append(f"{refinement.part} refined: {finer.message}")
+            remarks.append(f"{refinement.part.replace('_', ' ')} refined: {finer.message}")
         parts[refinement.part] = refinement.scale * np.abs(_volumes(finer, times) - own)
-    return ErrorBars(np.array(times), **parts, message="; ".join(ended_early))
+    return ErrorBars(np.array(times), **parts, message="; ".join(remarks))
 
 
 def refinements(scene: Scene) -> list[Refinement]:
@@ -181,6 +148,8 @@ def _scale(n: float, m: float, order: float = 1) -> float:
 
 def _reached(scene: Scene, result: Result) -> list[float]:
     """Saved times that a run has reached."""
+    if scene.path is not None:
+        return []
     wanted = (0.0,) if scene.run is None else scene.run.save
     reached = result.end_time if len(result.history) else -1.0
     return [time for time in wanted if time <= reached]

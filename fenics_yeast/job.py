@@ -38,6 +38,9 @@ class Screen(Observer, Protocol):
 
     def __exit__(self, *_: object) -> None: ...
 
+    def refining(self, part: str) -> None:
+        """Take note of a run that is refined in one part, for the error bars."""
+
 
 class RunLost(Exception):
     """The folder stopped taking in the run half-way, as a full disk does; on rank 0 alone."""
@@ -50,6 +53,7 @@ def run_into(
     screen: Screen | None = None,
     comm: Any = None,
     began: float | None = None,
+    with_error_bars: bool = False,
 ) -> Result:
     """Run a scene; leave its history, profiles, figures and summary in a folder.
 
@@ -67,6 +71,8 @@ def run_into(
         MPI communicator of the run; all ranks of the world if left out.
     began
         `time.perf_counter()` when the command began, for the total time.
+    with_error_bars
+        Whether the scene is run again, refined, for error bars of the volume.
 
     Returns
     -------
@@ -81,6 +87,8 @@ def run_into(
         On every rank, before anything is computed, if the folder cannot be written.
     RunLost
         If the folder cannot be written later on.
+    KeyboardInterrupt
+        If the runs for the error bars are interrupted; the folder is complete without them.
     """
     importing = perf_counter()
     began = importing if began is None else began
@@ -110,6 +118,14 @@ def run_into(
                 result = _UNSTARTED
             if folder is not None:
                 _complete(folder, scene, result, import_s, began)
+            if with_error_bars and result.status != "interrupted":
+                from .error_bars import error_bars
+
+                announce = screen.refining if observers and screen is not None else None
+                bars = error_bars(scene, result, announce=announce, comm=comm)
+                result = replace(result, error_bars=bars)
+                if folder is not None:
+                    _complete(folder, scene, result, import_s, began)
         except OutputError as error:
             raise RunLost(str(error)) from None
     return result
@@ -137,7 +153,9 @@ def _complete(
 
     drawing = perf_counter()
     with writing(folder.path):
-        plots.draw(folder.path, scene, result.history, result.profiles, result.status)
+        plots.draw(
+            folder.path, scene, result.history, result.profiles, result.status, result.error_bars
+        )
     now = perf_counter()
     output_s = result.timings.output_s + now - drawing
     timings = replace(result.timings, import_s=import_s, output_s=output_s, total_s=now - began)

@@ -16,7 +16,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from .record import COLUMNS, History, Profile, Profiles, Result, Row, Status, Timings
+from .record import COLUMNS, ErrorBars, History, Profile, Profiles, Result, Row, Status, Timings
 from .scene import Scene
 
 _SCENE, _HISTORY, _PROFILES, _RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
@@ -97,7 +97,7 @@ class OutputFolder:
             self._may_write_at = now + (now - began) / _PROFILES_SHARE
 
     def finish(self, result: Result, timings: Timings) -> None:
-        """Complete the folder with what is known at the end.
+        """Complete the folder with what is known at the end; again, where more is known.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ class OutputFolder:
         timings
             Those of the whole command, in place of the result's own.
         """
-        summary = {
+        summary: dict[str, object] = {
             "status": result.status,
             "end_time_min": float(result.end_time),
             "message": result.message,
@@ -117,6 +117,8 @@ class OutputFolder:
             "newton_iterations": int(result.newton_iterations),
             "timings": asdict(timings),
         }
+        if result.error_bars is not None:
+            summary["error_bars"] = _error_bars(result.error_bars)
         if self._profiles_written != len(result.profiles):
             self._kept = list(result.profiles)
             self._write_profiles()
@@ -167,6 +169,15 @@ def _line(row: Row) -> str:
 
 def _number(column: str) -> type[float] | type[int]:
     return int if column in ("newton_iterations", "stable") else float
+
+
+def _error_bars(bars: ErrorBars) -> dict[str, object]:
+    """Error bars for JSON, which has null in place of "not a number"."""
+    columns = {
+        name: [None if np.isnan(value) else float(value) for value in column]
+        for name, column in bars.columns().items()
+    }
+    return {**columns, "message": bars.message}
 
 
 def _versions() -> dict[str, str]:
@@ -275,3 +286,26 @@ def load_status(directory: Path) -> Status | None:
     except (OSError, ValueError, KeyError, TypeError):
         raise OutputError(f"{path}: is damaged; run the scene again") from None
     return status
+
+
+def load_error_bars(directory: Path) -> ErrorBars | None:
+    """Error bars of a run; None where it has none.
+
+    Raises
+    ------
+    OutputError
+        If they cannot be read.
+    """
+    path = directory / _RUN
+    try:
+        found = json.loads(path.read_bytes()).get("error_bars")
+        if found is None:
+            return None
+        del found["total"]  # the sum of the parts
+        message = found.pop("message")
+        columns = {name: np.array(column, dtype=float) for name, column in found.items()}
+        return ErrorBars(**columns, message=message)
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise OutputError(f"{path}: is damaged; run the scene again") from None

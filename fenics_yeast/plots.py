@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .output import SHAPES, VOLUME
-from .record import History, Profile, Profiles, Status
+from .record import ErrorBars, History, Profile, Profiles, Status
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def draw(
     history: History,
     profiles: Profiles,
     status: Status | None = "finished",
+    error_bars: ErrorBars | None = None,
 ) -> list[Path]:
     """Draw the figures of an output folder that there is anything to see in.
 
@@ -78,7 +79,7 @@ def draw(
         shapes(profiles, history, scene, directory / SHAPES)
         drawn.append(directory / SHAPES)
     if scene.run is not None and len(history) > 1:
-        volume(history, scene, directory / VOLUME, status)
+        volume(history, scene, directory / VOLUME, status, error_bars)
         drawn.append(directory / VOLUME)
     return drawn
 
@@ -142,8 +143,17 @@ def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> No
             figure.colorbar(colouring, cax=axes, label="growth strain ε₁ + ε₂")
 
 
-def volume(history: History, scene: Scene, path: Path, status: Status | None = "finished") -> None:
-    """Draw V/V0 against time with the saved times marked; where equilibrium is lost, say so."""
+def volume(
+    history: History,
+    scene: Scene,
+    path: Path,
+    status: Status | None = "finished",
+    error_bars: ErrorBars | None = None,
+) -> None:
+    """Draw V/V0 against time with the saved times marked; where equilibrium is lost, say so.
+
+    Error bars become a band that is told in numbers too: most are thinner than the line.
+    """
     with _volume_axes(path) as axes:
         curve = Curve(scene.title, history, status)
         _draw_volume(axes, curve, COLOURS[0])
@@ -152,6 +162,8 @@ def volume(history: History, scene: Scene, path: Path, status: Status | None = "
             history.time_min[saved], history.volume_ratio[saved], "o", color=COLOURS[0], ms=4.5
         )
         axes.set_title(curve.label)
+        if error_bars is not None:
+            _draw_band(axes, history, error_bars)
 
 
 def volumes(curves: Sequence[Curve], path: Path, title: str = "") -> None:
@@ -272,6 +284,28 @@ def _smooth(history: History) -> tuple[Array, Array]:
     return np.append(time[:first], fine), np.append(
         ratio[:first], _hermite(ratio[first:], steps, slopes)
     )
+
+
+def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
+    """Draw estimated errors about the curve, from nothing at the start to the last known one."""
+    known = ~np.isnan(bars.total) & (bars.time_min > 0)
+    times, total = bars.time_min[known], bars.total[known]
+    if not len(times):
+        return
+    time, ratio = _smooth(history)
+    covered = time <= times[-1]
+    time, ratio = time[covered], ratio[covered]
+    error = np.interp(time, [0.0, *times], [0.0, *total])
+    axes.fill_between(time, ratio - error, ratio + error, color=COLOURS[1], alpha=0.45, lw=0)
+    at = history.at(times[-1]).volume_ratio
+    axes.errorbar(
+        times, [history.at(t).volume_ratio for t in times], total, color=COLOURS[1], fmt="none",
+        capsize=4, lw=1.2, zorder=3,
+    )  # fmt: skip
+    axes.annotate(
+        f"± {total[-1]:.2g}", (times[-1], at), (-8, 0), textcoords="offset points",
+        ha="right", va="center", color=COLOURS[1], fontsize=8,
+    )  # fmt: skip
 
 
 def _draw_volume(axes: Axes, curve: Curve, colour: str) -> None:

@@ -176,6 +176,39 @@ class Timings:
 
 
 @dataclass(frozen=True)
+class ErrorBars:
+    """Estimated errors of V/V0 at the saved times that a run has reached.
+
+    Attributes
+    ----------
+    time_min
+        The times in min, shape ``(n,)``.
+    time_steps, mesh, thickness_points, shear_penalty
+        Parts of the error, at least 0, shape ``(n,)``; not a number where the refined run has
+        not come that far.
+    message
+        Which refined runs ended early, and why; empty if none did.
+    """
+
+    time_min: Array
+    time_steps: Array
+    mesh: Array
+    thickness_points: Array
+    shear_penalty: Array
+    message: str = ""
+
+    @property
+    def total(self) -> Array:
+        """Sum of the parts, shape ``(n,)``."""
+        return self.time_steps + self.mesh + self.thickness_points + self.shear_penalty
+
+    def columns(self) -> dict[str, Array]:
+        """Times, parts and total by name."""
+        names = [field.name for field in fields(self) if field.name != "message"]
+        return {**{name: getattr(self, name) for name in names}, "total": self.total}
+
+
+@dataclass(frozen=True)
 class Result:
     """What a simulation found.
 
@@ -192,6 +225,8 @@ class Result:
         Unknowns of the wall; accepted and rejected steps; Newton iterations of all of them.
     timings
         Where the time went.
+    error_bars
+        Estimated errors of V/V0, where they were asked for.
     """
 
     history: History
@@ -204,6 +239,7 @@ class Result:
     rejected_steps: int
     newton_iterations: int
     timings: Timings
+    error_bars: ErrorBars | None = None
 
 
 class Observer(Protocol):
