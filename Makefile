@@ -35,8 +35,9 @@ help:  ## print this list
 	@sed -nE 's/^([a-z]+):.*## (.*)/  \1\t\2/p' Makefile | expand -t 12
 
 .PHONY: demo
-demo: setup  ## the budding cell: volumes, and the picture of its shapes
-	@$(PYTHON) demos/fig4_bud.py
+demo: setup  ## the paper's budding cell: volumes, pictures and data
+	@.venv/bin/fenics-yeast run demos/scenes/bud.toml
+	@echo "Pictures: out/bud/figures/shapes.png, volume.png; data: out/bud/history.csv, profiles.npz"
 
 .PHONY: test
 test: setup  ## all tests; ARGS="..." goes to pytest
