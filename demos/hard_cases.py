@@ -1,0 +1,440 @@
+"""What people find hard about this model, one case a line, each held against a reference.
+
+A case ends in a converged answer or in a reason that names the physics. Its reference is a closed
+form, the solution of a membrane, a scaling law, or the number of another code: "C++" are two-node
+elements with hand-derived tangents, uniform, 480 and 960 of them, extrapolated by their order 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import ufl
+from closed_forms import MU, H, P, R, balloon, buckling, inflated, sphere_burst
+
+from fenics_yeast import Scene, simulate, wall
+from fenics_yeast import growth as growth_laws
+from fenics_yeast.equilibrium import Equilibrium
+from fenics_yeast.evolution import Evolution
+from fenics_yeast.integrators import TABLEAUX
+from fenics_yeast.laws import Law
+from fenics_yeast.meridian import Discretisation, Interval, Sphere
+from fenics_yeast.record import Result, Status
+from fenics_yeast.shell import Shell
+from fenics_yeast.simulation import build_shell
+
+EDGE = R * np.pi * (1 - 24 / 180)  # arc length at the edge of the growing zone, µm
+
+BUD = Scene.load(Path(__file__).parent / "scenes" / "bud.toml").with_values(
+    {
+        "numerics": {"preset": "default", "thickness_points": 3},
+        "turgor.ramp": 0,
+        "run": {"end": 80},
+    }
+)
+SPHERE = BUD.with_values({"growth": None, "run": None})
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a run has found: its status, a number, and the Newton iterations it took."""
+
+    status: Status
+    value: float
+    iterations: int
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A hard case.
+
+    Attributes
+    ----------
+    name, quantity
+        What is run and which number is read.
+    run
+        Runs it.
+    status
+        How it must end.
+    reference, tolerance
+        What the number must be, and how near.
+    source
+        Where the reference comes from.
+    says
+        What the message must contain.
+    """
+
+    name: str
+    quantity: str
+    run: Callable[[], Found]
+    status: Status
+    reference: float
+    tolerance: float
+    source: str
+    says: str = ""
+
+    def passes(self, found: Found) -> bool:
+        """Whether the run ended as it must."""
+        near = abs(found.value - self.reference) <= self.tolerance
+        return found.status == self.status and bool(near) and self.says in found.message
+
+
+def found(result: Result, value: float) -> Found:
+    return Found(result.status, float(value), result.newton_iterations, result.message)
+
+
+def volume(scene: Scene, **laws: Law) -> Found:
+    """V/V0 at the end."""
+    result = simulate(scene, **laws)
+    return found(result, result.history.volume_ratio[-1] if len(result.history) else np.nan)
+
+
+def burst(scene: Scene) -> Found:
+    """Time at which the equilibrium is lost."""
+    result = simulate(scene)
+    return found(result, result.end_time)
+
+
+def bud(values: dict[str, object], **laws: Law) -> Callable[[], Found]:
+    return lambda: volume(BUD.with_values(values), **laws)
+
+
+def until(end: float) -> dict[str, object]:
+    return {"run": {"end": end}}
+
+
+# Runs of their own ----------------------------------------------------------------------------
+
+
+def stiffness_by_place(inside: float, outside: float) -> Law:
+    """Ogden's energy with one shear modulus in the zone and another outside."""
+
+    def energy(eps_e, mu_zone, mu_rest):  # type: ignore[no-untyped-def]
+        S = ufl.SpatialCoordinate(ufl.domain.extract_domains(eps_e)[0])[0]
+        mu = ufl.conditional(ufl.gt(S, EDGE), mu_zone, mu_rest)
+        return wall.ogden(eps_e, mu, 2.0)
+
+    return Law(energy, {"mu_zone": inside, "mu_rest": outside})
+
+
+def growth_at_both_poles() -> Law:
+    """Equation (13) within 24° of either pole."""
+
+    def rate(point, sigma_trs, t_grw):  # type: ignore[no-untyped-def]
+        S = ufl.SpatialCoordinate(ufl.domain.extract_domains(point.eps)[0])[0]
+        near_pole = ufl.Or(ufl.gt(S, EDGE), ufl.lt(S, np.pi * R - EDGE))
+        grown = growth_laws.stress_driven(point, sigma_trs, t_grw)
+        return ufl.conditional(near_pole, 1.0, 0.0) * grown
+
+    return Law(rate, {"sigma_trs": 1.0, "t_grw": 45.0})
+
+
+EVEN = {"numerics.elements": 60, "numerics.order": 4, "numerics.grading": "uniform"}
+HALF = {"turgor.pressure": P / 2, "growth.threshold": 0.5}  # what a wall of μ/10 can bear
+OTHER = {  # another mesh, order and method
+    "numerics.elements": 240,
+    "numerics.order": 2,
+    "numerics.grading": "uniform",
+    "numerics.integrator": "sdirk2",
+    "numerics.step": 0.5,
+}
+
+
+def two_poles() -> Found:
+    """V/V0 grown with both poles growing over that with one."""
+    whole = {**EVEN, "growth.zone.half_angle": 180.0}
+    both = volume(BUD.with_values(whole), growth_law=growth_at_both_poles())
+    one = volume(BUD.with_values(EVEN))
+    start = volume(SPHERE.with_values(EVEN)).value
+    return Found(both.status, (both.value - start) / (one.value - start), both.iterations)
+
+
+def against_itself(values: dict[str, object], **laws: Law) -> Callable[[], Found]:
+    """V/V0 over that of another mesh, order and method in time."""
+
+    def run() -> Found:
+        scene = BUD.with_values(values)
+        this = volume(scene, **laws)
+        other = volume(scene.with_values(OTHER), **laws)
+        return Found(this.status, this.value / other.value, this.iterations, this.message)
+
+    return run
+
+
+def uneven_mesh() -> Found:
+    """V/V0 at 80 min on 60 cells whose sizes have a ratio of 1000, small and large ones in turn."""
+    zone = np.tile([1.0, 1000.0], 15)
+    rest = np.tile([1000.0, 1.0], 15)
+    nodes = np.concatenate([[0], EDGE * np.cumsum(rest) / rest.sum()])
+    top = EDGE + (np.pi * R - EDGE) * np.cumsum(zone) / zone.sum()
+    cells = Discretisation(Sphere(R), np.concatenate([nodes, top]), Interval(EDGE, np.pi * R))
+    from mpi4py import MPI
+
+    law = Law(growth_laws.stress_driven, {"sigma_trs": 1.0, "t_grw": 45.0})
+    shell = Shell(
+        cells, MPI.COMM_WORLD, order=3, thickness_points=3, thickness=H, shear_modulus=MU,
+        shear_penalty=1000.0, energy=Law(wall.ogden, {"mu": MU, "alpha": 2.0}), growth_law=law,
+    )  # fmt: skip
+    unloaded = shell.volume()
+    with Equilibrium(shell, 1e-7) as equilibrium:
+        evolution = Evolution(shell, equilibrium, TABLEAUX["sdirk3"], lambda time: P)
+        iterations = evolution.load()
+        iterations += sum(evolution.step(time).iterations for time in np.arange(1.0, 81.0))
+    return Found("finished", shell.volume() / unloaded, iterations)
+
+
+def path(values: dict[str, object]) -> Scene:
+    return SPHERE.with_values({"numerics.elements": 24, "numerics.order": 3, **values})
+
+
+def largest_pressure(alpha: float) -> Found:
+    """Largest p R/(μ h) on the way to eight volumes."""
+    goal = {"path": {"until": {"volume_ratio": 8.0}}, "wall.ogden_exponent": alpha}
+    result = simulate(path(goal))
+    return found(result, result.history.pressure_MPa.max() * R / (MU * H))
+
+
+def buckles(h: float) -> Found:
+    """Pressure from outside at which stability is lost, in parts of the classical one."""
+    goal = {"control": "pressure", "until": {"pressure": -1.1 * buckling(h)}, "steps": 110}
+    elements = int(20 * np.sqrt(R / h))
+    values = {"wall.thickness": h, "path": goal, "numerics.elements": elements}
+    result = simulate(path({**values, "numerics.grading": "uniform"}))
+    stable = result.history.stable
+    last = np.flatnonzero(stable)[-1] if not stable.all() else 0
+    lost = result.history.pressure_MPa[last : last + 2].mean()
+    return found(result, lost / -buckling(h))
+
+
+def membrane_error(ratio: float) -> Callable[[], Found]:
+    """V/V0 of an elastic sphere of h/R at a given stress."""
+    h = ratio * R
+    values = {"wall.thickness": h, "turgor.pressure": P * h / H}
+    return lambda: volume(SPHERE.with_values(values))
+
+
+def deflated_and_back() -> Found:
+    """V/V0 of a bud after a fall of its turgor to 10 % and back, growth off, over that before."""
+    shell = build_shell(BUD)
+    with Equilibrium(shell, 1e-9) as equilibrium:
+        evolution = Evolution(shell, equilibrium, TABLEAUX["sdirk3"], lambda time: P)
+        iterations = evolution.load()
+        iterations += sum(evolution.step(time).iterations for time in np.arange(2.0, 82.0, 2.0))
+        before = shell.volume()
+        for part in (0.4, 0.1, 0.4, 1.0):  # growth stands still where no stage has a length
+            shell.pressure.value = part * P
+            iterations += equilibrium.solve()
+    return Found("finished", shell.volume() / before, iterations)
+
+
+def by_a_table() -> Found:
+    """V/V0 of an elastic cell whose turgor is given by times and values, at half of its fall."""
+    table = {"time": [0, 30, 40], "value": [P, P, P / 10]}
+    return volume(BUD.with_values({"growth": None, "turgor.pressure": table, **until(35)}))
+
+
+# The table ------------------------------------------------------------------------------------
+
+CPP = "C++"
+BY_EXPONENT = {-4.0: 1.2230437, 0.5: 1.2153239, 8.0: 1.1947674, 12.0: 1.1833314}
+CONVERGED = 1.211736  # V/V0 of the bud at 80 min: C++ and a p-version code in NumPy
+BACKWARD_SLOPE = 0.00373  # min⁻¹, first-order error of backward Euler at 80 min: C++, 0.05, 0.5 min
+LIMIT = 93.151  # min: C++, steps of 0.02 min; 93.1122 (480 cells), 93.1416 (960)
+LONG = {"numerics.integrator": "backward-euler"}
+
+
+def loss_of_equilibrium() -> list[Case]:
+    cases = [
+        Case(
+            f"burst, growth time {t:g} min", "t (min)",
+            lambda t=t: burst(BUD.with_values({"growth.time": t, **until(200)})),
+            "no-equilibrium", LIMIT * t / 45, 0.02 * max(1, t / 45),
+            f"{CPP}, t/t_grw", "so soft",
+        )
+        for t in (30.0, 45.0, 60.0)
+    ]  # fmt: skip
+    changes: dict[str, dict[str, object]] = {
+        "steps 0.5 min": {"numerics.step": 0.5},
+        "steps 2 min": {"numerics.step": 2.0},
+        "60 cubic cells": {"numerics.elements": 60, "numerics.order": 3},
+        "κ = 1e6": {"numerics.shear_penalty": 1e6},
+        "κ infinite": {"numerics.shear_penalty": float("inf")},
+        "a million minutes": until(1e6),
+    }
+    cases += [
+        Case(
+            f"burst, {name}", "t (min)",
+            lambda change=change: burst(BUD.with_values(until(200) | change)),
+            "no-equilibrium", LIMIT, 0.02, CPP, "so soft",
+        )
+        for name, change in changes.items()
+    ]  # fmt: skip
+    everywhere = {"growth.zone.half_angle": 180.0, **until(200)}
+    cases.append(
+        Case("zone 180°: burst", "t (min)", lambda: burst(BUD.with_values(everywhere)),
+             "no-equilibrium", sphere_burst(), 0.01, "membrane, integral", "so soft")
+    )  # fmt: skip
+    limit = balloon(7 ** (1 / 6), 2.0) * MU * H / R
+    for name, change in {
+        "static": {"growth": None, "run": None},
+        "at once": {},
+        "in 0.01 min": {"turgor.ramp": 0.01},
+    }.items():
+        scene = BUD.with_values({"turgor.pressure": 2.5, **change})
+
+        def named(scene: Scene = scene) -> Found:
+            result = simulate(scene)
+            said = result.message.split("limit pressure, ")[-1].split(" MPa")[0]
+            return found(result, float(said))
+
+        cases.append(
+            Case(f"2.5 MPa, {name}", "limit (MPa)", named, "no-equilibrium", limit, 2e-3,
+                 "membrane, λ = 7^(1/6)", "limit pressure")
+        )  # fmt: skip
+    return cases
+
+
+def steps() -> list[Case]:
+    cases = [
+        Case("backward Euler, 0.05 min", "V/V0", bud({**LONG, "numerics.step": 0.05}),
+             "finished", 1.21152870, 1e-4, CPP),
+        Case("backward Euler, 0.5 min", "V/V0", bud({**LONG, "numerics.step": 0.5}),
+             "finished", 1.20985145, 1e-4, CPP),
+    ]  # fmt: skip
+    cases += [
+        Case(
+            f"backward Euler, {step:g} min", "V/V0", bud({**LONG, "numerics.step": step}),
+            "finished", CONVERGED, BACKWARD_SLOPE * step, f"{CPP}, its first-order error",
+        )
+        for step in (2.0, 5.0, 20.0)
+    ]  # fmt: skip
+    explicit = {"numerics.integrator": "forward-euler"}
+    cases += [
+        Case(
+            f"forward Euler, {step:g} min", "V/V0", bud({**explicit, "numerics.step": step}),
+            "finished", CONVERGED, BACKWARD_SLOPE * 0.45, f"{CPP}, error at its limit", "cut",
+        )
+        for step in (0.5, 2.0, 20.0)
+    ]  # fmt: skip
+    cases += [
+        Case("steps of 1e-6 min", "V/V0", bud({"numerics.step": 1e-6, **until(1e-4)}),
+             "finished", inflated(P), 2e-5, "membrane"),
+        Case("μ = 4000 MPa", "V/V0 ratio", against_itself({"wall.shear_modulus": 4000.0}),
+             "finished", 1, 1e-4, "other mesh and method"),
+        Case("growth time 0.5 min", "V/V0", bud({"growth.time": 0.5, **until(80 / 90)}),
+             "finished", CONVERGED, 1e-4, "t/t_grw"),
+    ]  # fmt: skip
+    return cases
+
+
+def walls() -> list[Case]:
+    thin = [
+        Case(f"elastic, h/R = 1/{n}", "V/V0", membrane_error(1 / n), "finished",
+             inflated(P), max((1 / n) ** 2 / 12, 1e-9), "membrane, error below (h/R)²/12")
+        for n in (5, 25, 100, 1000)
+    ]  # fmt: skip
+    exponents = [
+        Case(f"elastic, α = {a:g}", "V/V0",
+             lambda a=a: volume(SPHERE.with_values({"wall.ogden_exponent": a})),
+             "finished", inflated(P, a), 2e-5, "membrane")
+        for a in (-4.0, 0.5, 8.0, 12.0)
+    ]  # fmt: skip
+    growing = [
+        Case(f"bud, α = {a:g}", "V/V0", bud({"wall.ogden_exponent": a}), "finished", v, 1e-4, CPP)
+        for a, v in BY_EXPONENT.items()
+    ]
+    same_cells = {"numerics.elements": 960, "numerics.order": 1, "numerics.grading": "uniform"}
+    growing += [
+        Case("bud, h/R = 1/5", "V/V0", bud({"wall.thickness": 0.5, "turgor.pressure": 5 * P}),
+             "finished", 1.0749909, 1e-4, CPP),
+        Case("bud, h/R = 1/125", "V/V0",
+             bud({**same_cells, "wall.thickness": 0.02, "turgor.pressure": P / 5,
+                  "numerics.step": 1.0}),
+             "finished", 1.3088989, 2e-5, f"{CPP}, on the same 960 cells"),
+    ]  # fmt: skip
+    return thin + exponents + growing
+
+
+def zones() -> list[Case]:
+    return [
+        Case("zone 5°: grows, then stops", "V/V0",
+             bud({"growth.zone.half_angle": 5.0, **until(1e6)}), "finished", 1.033874, 1e-5, CPP),
+        Case("zone 90°", "V/V0",
+             bud({"growth.zone.half_angle": 90.0, "numerics.tolerance": 1e-6, **until(10)}),
+             "finished", 2.4281456, 1e-4, CPP),
+        Case("zone at the bottom", "V/V0", bud({"growth.zone.pole": "bottom"}),
+             "finished", CONVERGED, 1e-4, "mirror image"),
+        Case("zones at both poles", "growth ratio", two_poles, "finished", 2, 1e-3, "twice one"),
+        Case("threshold never reached", "V/V0", bud({"growth.threshold": 10.0, **until(1e6)}),
+             "finished", inflated(P), 2e-5, "membrane", "nothing grew"),
+        Case("mother ten times softer", "V/V0 ratio",
+             against_itself({**EVEN, **HALF, **until(40)}, energy=stiffness_by_place(MU, MU / 10)),
+             "finished", 1, 1e-4, "other mesh and method"),
+        Case("mother ten times stiffer", "V/V0 ratio",
+             against_itself(EVEN, energy=stiffness_by_place(MU, 10 * MU)),
+             "finished", 1, 1e-4, "other mesh and method"),
+        Case("μ jumps by 100", "V/V0 ratio",
+             against_itself({**EVEN, **until(40)}, energy=stiffness_by_place(100 * MU, MU)),
+             "finished", 1, 1e-4, "other mesh and method"),
+        Case("20 cells", "V/V0", bud({"numerics.elements": 20}), "finished", CONVERGED, 1e-4, CPP),
+        Case("4000 cells", "V/V0",
+             bud({"numerics.elements": 4000, "numerics.order": 1, **until(40)}),
+             "finished", 1.089066, 1e-4, CPP),
+        Case("cells of ratio 1000", "V/V0", uneven_mesh, "finished", CONVERGED, 1e-4, CPP),
+    ]  # fmt: skip
+
+
+def loads() -> list[Case]:
+    return [
+        Case("pressure zero", "V/V0", bud({"turgor.pressure": 0.0}), "finished", 1, 1e-12,
+             "at rest", "nothing grew"),
+        Case("elastic, pressure from outside", "V/V0",
+             lambda: volume(SPHERE.with_values({"turgor.pressure": -0.1})),
+             "finished", inflated(-0.1), 2e-5, "membrane"),
+        Case("pressure from outside, growing", "V/V0 at 0.5 min",
+             bud({"turgor.pressure": -0.1, **until(0.5)}), "finished", 0.9840452, 1e-5, CPP),
+        Case("buckling, h/R = 1/100", "p/p_cl", lambda: buckles(R / 100),
+             "finished", 1, 0.03, "Zoelly 1915", "unstable"),
+        Case("buckling, h/R = 1/400", "p/p_cl", lambda: buckles(R / 400),
+             "finished", 1, 0.03, "Zoelly 1915", "unstable"),
+        Case("balloon over its limit point", "p R/(μ h)", lambda: largest_pressure(2.0),
+             "finished", balloon(7 ** (1 / 6), 2.0), 2e-3, "membrane, λ = 7^(1/6)", "limit point"),
+        Case("α = 8 has no limit point", "p R/(μ h)", lambda: largest_pressure(8.0),
+             "finished", balloon(2.0, 8.0), 0.02, "membrane, λ = 2"),
+        Case("bud deflated to 10 % and back", "V/V0 ratio", deflated_and_back, "finished", 1,
+             1e-10, "growth stands still"),
+        Case("turgor by a table, elastic", "V/V0", by_a_table, "finished", inflated(0.55 * P),
+             2e-5, "membrane"),
+    ]  # fmt: skip
+
+
+def hard_cases() -> list[Case]:
+    """All of them, in order."""
+    return [*loss_of_equilibrium(), *steps(), *walls(), *zones(), *loads()]
+
+
+def main() -> None:
+    """Print the table."""
+    cases, failed, total = hard_cases(), 0, 0
+    print(f"{'case':34}{'ends':16}{'found':>13}{'reference':>13}{'within':>9}{'its':>7}{'s':>6}")
+    for case in cases:
+        began = perf_counter()
+        outcome = case.run()
+        passes = case.passes(outcome)
+        failed, total = failed + (not passes), total + outcome.iterations
+        print(
+            f"{case.name:34}{outcome.status:16}{outcome.value:13.7g}{case.reference:13.7g}"
+            f"{case.tolerance:9.1g}{outcome.iterations:7}{perf_counter() - began:6.1f}  "
+            f"{case.quantity}; {case.source}{'' if passes else '   <-- not as it must be'}",
+            flush=True,
+        )
+    print(f"{len(cases)} cases, {total} Newton iterations, {failed} not as they must be")
+
+
+if __name__ == "__main__":
+    main()
