@@ -26,7 +26,7 @@ _BEGAN = perf_counter()
 
 _BAD_INPUT, _INTERRUPTED = 2, 130
 _EXIT = {"finished": 0, "no-equilibrium": 3, "failed": 4, "interrupted": _INTERRUPTED}
-_LOST = 1  # the machine, neither input nor physics: dolfinx is missing, the disk is full
+_LOST = 1  # neither input nor physics: dolfinx is missing
 
 app = typer.Typer(
     help="Growth of a walled cell under turgor: a thin shell of revolution.",
@@ -167,8 +167,8 @@ def _abandon(message: str) -> NoReturn:
 
     if MPI.COMM_WORLD.size > 1:
         typer.echo(f"error: {message}", err=True)
-        MPI.COMM_WORLD.Abort(_LOST)
-    _fail(message, _LOST)
+        MPI.COMM_WORLD.Abort(_EXIT["failed"])
+    _fail(message, _EXIT["failed"])
 
 
 @contextmanager

@@ -6,7 +6,7 @@ import json
 import os
 import platform
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
@@ -49,7 +49,8 @@ class OutputFolder:
     """Folder that takes in a run while it goes: an `Observer`, and a context manager.
 
     A row of the history is in its file as soon as the step is accepted; every other file is
-    written under a temporary name and renamed. Under MPI rank 0 alone has one.
+    written under a temporary name and renamed. If the folder is removed while the run goes, it is
+    made again with all there was in it. Under MPI rank 0 alone has one.
 
     Parameters
     ----------
@@ -66,29 +67,32 @@ class OutputFolder:
 
     def __init__(self, path: Path, scene: Scene) -> None:
         self.path = path
+        self._scene = scene
+        self._rows: list[Row] = []  # in the file
         self._kept: list[Profile] = []
-        self._rows_written = self._profiles_written = 0
+        self._profiles_written = 0
         self._may_write_at = 0.0
         with writing(self.path):
             self._claim()
-            self._replace(_SCENE, scene.to_toml().encode())
-            self._history = open(path / _HISTORY, "w", encoding="utf-8")  # noqa: SIM115
-            self._append(_HEADER)
+            self._begin()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._history.close()
+        with suppress(OSError):  # a line that did not fit, told before
+            self._history.close()
 
     def accepted(self, row: Row) -> None:
         """Append a row to the history."""
+        self._present()
         with writing(self.path):
             self._append(_line(row))
-        self._rows_written += 1
+        self._rows.append(row)
 
     def saved(self, profile: Profile) -> None:
         """Write the profiles anew with one more, unless that was done a moment ago."""
+        self._present()
         self._kept.append(profile)
         began = perf_counter()
         if began >= self._may_write_at:
@@ -119,11 +123,12 @@ class OutputFolder:
         }
         if result.error_bars is not None:
             summary["error_bars"] = _error_bars(result.error_bars)
+        self._present()
         if self._profiles_written != len(result.profiles):
             self._kept = list(result.profiles)
             self._write_profiles()
         with writing(self.path):
-            if self._rows_written != len(result.history):  # interrupted between step and row
+            if len(self._rows) != len(result.history):  # interrupted between step and row
                 lines = [_HEADER, *map(_line, result.history.rows)]
                 self._replace(_HISTORY, "".join(line + "\n" for line in lines).encode())
             self._replace(_RUN, (json.dumps(summary, indent=2) + "\n").encode())
@@ -139,6 +144,26 @@ class OutputFolder:
         self.path.mkdir(parents=True, exist_ok=True)
         for name in (_PROFILES, _RUN, SHAPES, VOLUME):
             (self.path / name).unlink(missing_ok=True)
+
+    def _begin(self) -> None:
+        """Write the scene and begin the history."""
+        self._replace(_SCENE, self._scene.to_toml().encode())
+        self._history = open(self.path / _HISTORY, "w", encoding="utf-8")  # noqa: SIM115
+        self._append(_HEADER)
+
+    def _present(self) -> None:
+        """Make the folder again if it has been removed."""
+        if (self.path / _HISTORY).exists():
+            return
+        with writing(self.path):
+            with suppress(OSError):
+                self._history.close()
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._begin()
+            for row in self._rows:
+                self._append(_line(row))
+        if self._kept:
+            self._write_profiles()
 
     def _append(self, line: str) -> None:
         self._history.write(line + "\n")

@@ -339,7 +339,7 @@ def test_a_disk_that_fills_up_ends_the_run_in_a_line(here: Path) -> None:
     )
     command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stdout) == (1, "")
+    assert (done.returncode, done.stdout) == (4, "")
     assert done.stderr.startswith("error: out/small: cannot be written: ")
     assert done.stderr.count("\n") == 1
     assert 0 < len(load_history(here / "out" / "small")) < 12

@@ -1,0 +1,227 @@
+"""Whatever goes wrong in a run, what was computed before is kept and readable."""
+
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import ufl
+
+from fenics_yeast import Scene, growth, simulate
+from fenics_yeast.evolution import Evolution
+from fenics_yeast.laws import Law
+from fenics_yeast.output import load_history, load_profiles, load_status
+from fenics_yeast.record import COLUMNS, Profile, Result, Row
+
+COMMAND = [sys.executable, "-c", "from fenics_yeast.cli import main; main()"]
+LAW = {"sigma_trs": 1.0, "t_grw": 45.0}
+
+
+@pytest.fixture
+def scene(sphere_scene: Scene) -> Scene:
+    """A sphere that grows everywhere, with steps of 1 min."""
+    return sphere_scene.with_values({"run.save": [2.0, 8.0]})
+
+
+class Listener:
+    """An observer that raises something at a row."""
+
+    def __init__(self, at: int, problem: BaseException) -> None:
+        self.at, self.problem = at, problem
+        self.rows: list[Row] = []
+        self.profiles: list[Profile] = []
+
+    def accepted(self, row: Row) -> None:
+        self.rows.append(row)
+        if len(self.rows) == self.at:
+            raise self.problem
+
+    def saved(self, profile: Profile) -> None:
+        self.profiles.append(profile)
+
+
+def assert_kept(result: Result, rows: int) -> None:
+    """So many rows of numbers, and the profile of the last of them."""
+    history = result.history
+    assert len(history) >= rows
+    assert all(np.isfinite(getattr(history, name)).all() for name in COLUMNS)
+    assert result.profiles.all[-1].time == history.time_min[-1] == result.end_time
+    assert all(np.isfinite(array).all() for array in result.profiles.arrays().values())
+
+
+def test_a_law_that_turns_into_no_number_ends_the_run_where_it_does(scene: Scene) -> None:
+    """The wall has no growth rate beyond a growth strain of 0.05."""
+
+    def brittle(point, sigma_trs, t_grw):  # type: ignore[no-untyped-def]
+        rate = growth.stress_driven(point, sigma_trs, t_grw)
+        return (1 + 1e-9 * ufl.ln(0.05 - point.eps_g[0])) * rate
+
+    result = simulate(scene, growth_law=Law(brittle, LAW))
+    assert result.status == "failed"
+    assert "however small, converged: the residual is not a number" in result.message
+    assert_kept(result, 2)
+    # What is there is that of the same wall with the usual law.
+    usual = simulate(scene)
+    np.testing.assert_allclose(
+        result.history.volume_ratio[:2], usual.history.volume_ratio[:2], rtol=1e-6
+    )
+    assert 0.04 < result.history.max_growth_strain[-1] < 0.05
+
+
+def test_an_error_in_the_text_of_a_law_is_its_own(scene: Scene) -> None:
+    def wrong(point):  # type: ignore[no-untyped-def]
+        raise ZeroDivisionError("in my law")
+
+    with pytest.raises(ZeroDivisionError, match="in my law"):
+        simulate(scene, growth_law=Law(wrong))
+
+
+def test_an_unforeseen_error_in_a_run_keeps_what_it_has(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    attempt = Evolution.attempt
+
+    def breaks(self: Evolution, end: float):  # type: ignore[no-untyped-def]
+        if end > 4.5:
+            self.shell.w.x.array[:] = np.nan
+            raise RuntimeError("the machine broke")
+        return attempt(self, end)
+
+    monkeypatch.setattr(Evolution, "attempt", breaks)
+    result = simulate(scene)
+    assert result.status == "failed"
+    assert "RuntimeError: the machine broke" in result.message
+    assert "the machine broke" in caplog.text  # with its place
+    assert_kept(result, 5)
+    assert result.end_time == 4
+    assert [profile.time for profile in result.profiles] == [2, 4]
+
+
+def test_an_interrupt_keeps_what_it_has(scene: Scene) -> None:
+    listener = Listener(6, KeyboardInterrupt())
+    result = simulate(scene, observer=listener)
+    assert result.status == "interrupted"
+    assert "5 min" in result.message
+    assert_kept(result, 6)
+    assert [profile.time for profile in listener.profiles] == [2, 5]
+
+
+def test_an_interrupt_within_newtons_method_keeps_the_accepted_state(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stages = Evolution._stages
+
+    def interrupted(self: Evolution, end: float):  # type: ignore[no-untyped-def]
+        step = stages(self, end)
+        if end > 4.5:
+            raise KeyboardInterrupt
+        return step
+
+    whole = simulate(scene)
+    monkeypatch.setattr(Evolution, "_stages", interrupted)
+    result = simulate(scene)
+    assert result.status == "interrupted"
+    assert_kept(result, 5)
+    largest = result.profiles.at(4).growth_strain.max()
+    assert largest == pytest.approx(whole.history.at(4).max_growth_strain, rel=1e-12)
+
+
+def test_what_an_observer_raises_comes_out(scene: Scene) -> None:
+    listener = Listener(3, ZeroDivisionError("mine"))
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        simulate(scene, observer=listener)
+    assert len(listener.rows) == 3  # and it is told nothing more
+
+
+# --- the command --------------------------------------------------------------------------
+
+SMALL = """\
+[cell]
+shape = "sphere"
+diameter = "5 um"
+[wall]
+thickness = "100 nm"
+shear_modulus = "40 MPa"
+[turgor]
+pressure = "2 atm"
+[growth]
+zone = { pole = "top", half_angle = 24.0 }
+threshold = "1 MPa"
+time = "45 min"
+[run]
+end = "20 min"
+save = [1, 10, 20]
+[numerics]
+preset = "paper"
+elements = 60
+step = "0.04 min"
+"""
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SMALL)
+    return tmp_path
+
+
+def wait_for(condition: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
+    deadline = time.monotonic() + 60
+    while not condition():
+        assert process.poll() is None and time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
+    folder = here / "out" / "small"
+    process = subprocess.Popen([*COMMAND, "run", "small.toml", "--quiet"])
+    history = folder / "history.csv"
+    wait_for(lambda: history.exists() and history.read_bytes().count(b"\n") > 40, process)
+    shutil.rmtree(folder)
+    assert process.wait(60) == 0
+    times = load_history(folder).time_min
+    assert times[0] == 0 and times[-1] == 20 and len(times) > 400
+    assert [profile.time for profile in load_profiles(folder)] == [1, 10, 20]
+    assert load_status(folder) == "finished"
+
+
+def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
+    code = (
+        "import resource; from mpi4py import MPI; from fenics_yeast.cli import main\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000)); main()"
+    )
+    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 4
+    assert done.stderr.startswith("error: out/small: cannot be written: ")
+    folder = here / "out" / "small"
+    history, profiles = load_history(folder), load_profiles(folder)
+    assert len(history) > 100
+    assert [profile.time for profile in profiles] == [1]
+    assert np.isfinite(history.volume_ratio).all()
+
+
+def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
+    code = (
+        "from fenics_yeast.evolution import Evolution, EquilibriumError\n"
+        "attempt = Evolution.attempt\n"
+        "def gives_up(self, end):\n"
+        "    if end > 5: raise EquilibriumError('no luck', 3)\n"
+        "    return attempt(self, end)\n"
+        "Evolution.attempt = gives_up\n"
+        "from fenics_yeast.cli import main; main()"
+    )
+    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 4, done.stderr
+    assert done.stderr.startswith("error: no step beyond ") and "no luck" in done.stderr
+    assert done.stderr.count("\n") == 1
+    folder = here / "out" / "small"
+    assert load_status(folder) == "failed"
+    history, profiles = load_history(folder), load_profiles(folder)
+    assert 4.9 < history.time_min[-1] <= 5
+    assert [profile.time for profile in profiles] == [1, history.time_min[-1]]
