@@ -1,4 +1,7 @@
-"""Figures of a run: the shapes of the cell at the saved times, and its volume against time."""
+"""Figures of a run: the shapes of the cell at the saved times, and its volume against time.
+
+Of a static path it is the pressure against the volume.
+"""
 
 from __future__ import annotations
 
@@ -80,6 +83,9 @@ def draw(
         drawn.append(directory / SHAPES)
     if scene.run is not None and len(history) > 1:
         volume(history, scene, directory / VOLUME, status, error_bars)
+        drawn.append(directory / VOLUME)
+    if scene.path is not None and len(history) > 1:
+        pressure(history, scene, directory / VOLUME)
         drawn.append(directory / VOLUME)
     return drawn
 
@@ -173,6 +179,28 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "") -> None:
             _draw_volume(axes, curve, COLOURS[i % len(COLOURS)])
         axes.set_title(title)
         axes.legend(loc="upper left")
+
+
+def pressure(history: History, scene: Scene, path: Path) -> None:
+    """Draw the pressure along a static path against V/V0; what is unstable is dashed."""
+    with _figure(path, 4.8, 3.4) as figure:
+        axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
+        V, p, stable = history.volume_ratio, history.pressure_MPa, history.stable.astype(bool)
+        ends = stable[1:] & stable[:-1]  # of each piece
+        for style, pieces in (("-", ends), ("--", ~ends)):
+            gaps = np.where(pieces, 0.0, np.nan)
+            # A piece and the one after it share a point, which either of them shows.
+            shown = np.fmin(np.append(gaps, np.nan), np.append(np.nan, gaps))
+            label = "stable" if style == "-" else "unstable at given pressure"
+            if pieces.any():
+                axes.plot(V, p + shown, style, color=COLOURS[0], label=label)
+        if not ends.all():
+            axes.legend(loc="lower right")
+        axes.set_xlabel("volume V/V₀")
+        axes.set_ylabel("pressure (MPa)")
+        axes.set_title(scene.title)
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
 
 
 @contextmanager
