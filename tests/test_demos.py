@@ -79,7 +79,8 @@ REPORTS = ("speed_against_error",)  # longer than a demo that reads like the pap
 
 
 def test_no_demo_goes_unchecked() -> None:
-    assert {path.stem for path in DEMOS.glob("*.py")} == set(NUMBERS) | ELSEWHERE
+    elsewhere = {"hard_cases", "closed_forms"}  # test_hard_cases
+    assert {path.stem for path in DEMOS.glob("*.py")} == set(NUMBERS) | elsewhere | ELSEWHERE
 
 
 @pytest.fixture(scope="module")
