@@ -79,8 +79,7 @@ REPORTS = ("speed_against_error",)  # longer than a demo that reads like the pap
 
 
 def test_no_demo_goes_unchecked() -> None:
-    elsewhere = {"hard_cases", "closed_forms"}  # test_hard_cases
-    assert {path.stem for path in DEMOS.glob("*.py")} == set(NUMBERS) | elsewhere | ELSEWHERE
+    assert {path.stem for path in DEMOS.glob("*.py")} == set(NUMBERS) | ELSEWHERE
 
 
 @pytest.fixture(scope="module")
