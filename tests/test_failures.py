@@ -91,6 +91,7 @@ def test_an_unforeseen_error_in_a_run_keeps_what_it_has(
             raise RuntimeError("the machine broke")
         return attempt(self, end)
 
+    caplog.set_level("DEBUG")
     monkeypatch.setattr(Evolution, "attempt", breaks)
     result = simulate(scene)
     assert result.status == "failed"
