@@ -96,7 +96,7 @@ class Numerics(Table):
         default="default", description="where the rest comes from"
     )
     tolerance: float = _preset(
-        "tolerance", "wanted relative error of V/V0 of adaptive steps (1)", gt=0, le=0.1
+        "tolerance", "wanted relative error of V/V0 of adaptive steps (1)", ge=1e-8, le=0.1
     )
     elements: int = Field(
         default_factory=_elements,

@@ -178,9 +178,11 @@ class March:
         return self._evolution.pressure(end) != self._evolution.pressure(self._time)
 
     def _past_limit(self) -> bool:
-        """Whether the trial is past a limit point; notes whether it is stable."""
+        """Whether the trial is past a limit point, or inside out; notes whether it is stable."""
         self._stable = self._stability.falling() == 0
-        return not self._stable and self._equilibrium.compliance() < 0
+        if self._stable:
+            return False
+        return self._equilibrium.compliance() < 0 or self._shell.volume() <= 0
 
     def _good(self, steps: TimeSteps, step: Step, end: float) -> bool:
         """Whether the trial is good enough; adapts the steps."""

@@ -158,7 +158,7 @@ def _guarded(run: Callable[[], Outcome], journal: Journal) -> Outcome:
         time = journal.rows[-1].time_min if journal.rows else 0.0
         outcome = Outcome("interrupted", f"interrupted at {time:g} min")
     except Exception as error:
-        _LOG.exception("the run broke")
+        _LOG.debug("the run broke", exc_info=True)
         outcome = Outcome("failed", f"the run broke: {type(error).__name__}: {error}")
     if outcome.status != "finished":
         with suppress(ObserverError):  # it has failed before, or fails in `finish` again
@@ -170,7 +170,7 @@ def _precision(scene: Scene) -> float:
     """Relative size at which a residual counts as zero: below the errors of adaptive steps."""
     numerics = scene.numerics
     fixed = numerics.step is not None or scene.growth is None
-    return 1e-8 if fixed else min(1e-5, 0.05 * numerics.tolerance)
+    return 1e-8 if fixed else max(1e-10, min(1e-5, 0.05 * numerics.tolerance))
 
 
 def _force(scene: Scene, nodes: int) -> float:

@@ -41,7 +41,10 @@ def fitted_order(elements, errors) -> float:
     return -np.polyfit(np.log(elements), np.log(np.abs(errors)), 1)[0]
 
 
-@pytest.mark.parametrize(("order", "elements"), [(1, (24, 48, 96, 192)), (3, (12, 24, 48))])
+ELEMENTS = [(1, (24, 48, 96, 192)), (2, (12, 24, 48, 96)), (3, (12, 24, 48)), (4, (10, 16, 22))]
+
+
+@pytest.mark.parametrize(("order", "elements"), ELEMENTS)
 def test_elements_have_their_order(sphere_scene, exact, order, elements):
     """Nodes by p + 1 at least; the volume, a functional of the solution, by 2 p."""
     S, nodes, volume = exact

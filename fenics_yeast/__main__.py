@@ -1,0 +1,5 @@
+"""`python -m fenics_yeast` is the command `fenics-yeast`."""
+
+from .cli import main
+
+main()
