@@ -21,7 +21,7 @@ LIMIT_POINT = TABLEAUX["sdirk3"]  # steps in volume, whatever method is used in 
 _STABLE = 1.8  # times its rate: length of a step in which forward Euler damps a decay; below 2
 _NUDGE = 1e-7  # growth strain by which the growth rate is differentiated
 _POWERS = 3
-_MEMORY = 4  # solved states through which the start of the next solution is extrapolated
+_MEMORY = 5  # solved states through which the start of the next solution is extrapolated
 
 
 @dataclass(frozen=True)
