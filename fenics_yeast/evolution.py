@@ -293,8 +293,10 @@ class Evolution:
         times = [t for t, _ in self._recent]
         start = np.zeros_like(self.state.wall.w)
         for i, (t, w) in enumerate(self._recent):
-            others = [s for j, s in enumerate(times) if j != i]
-            start += w * np.prod([(time - s) / (t - s) for s in others])
+            weight = 1.0
+            for s in (*times[:i], *times[i + 1 :]):
+                weight *= (time - s) / (t - s)
+            start += weight * w
         return start
 
     def _capture(self, time: float) -> State:
