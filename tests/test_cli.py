@@ -1,5 +1,6 @@
 """The command: exit status, what it prints and where, what it writes, how it is interrupted."""
 
+import functools
 import json
 import os
 import pty
@@ -63,9 +64,11 @@ def call(*arguments: str) -> Result:
 
 
 def start(*arguments: str) -> subprocess.Popen[str]:
-    """Start the command as a process of its own."""
+    """Start the command as a process of its own, which hears Ctrl-C even in the background."""
     pipe = subprocess.PIPE
-    return subprocess.Popen([*COMMAND, *arguments], stdout=pipe, stderr=pipe, text=True)
+    hear = functools.partial(signal.signal, signal.SIGINT, signal.default_int_handler)
+    command = [*COMMAND, *arguments]
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=hear)
 
 
 def tree(folder: Path) -> set[str]:
