@@ -1,7 +1,8 @@
 """Where the time of a run goes, and how it grows with cells and points through the thickness.
 
 The time stepping of the bud, set-up and output excluded. The parts are timed one within another:
-what is left to Python is the loop less all that is compiled.
+what is left to Python is the loop less all that is compiled. The first time, compiling the forms of
+16 points takes some minutes.
 """
 
 import subprocess
@@ -84,7 +85,7 @@ def growth_with(key: str, values: Sequence[int]) -> None:
     print(f"\n{key:>18} {'µs per iteration':>18}")
     times = []
     for value in values:
-        result, _ = best({"preset": "default", key: value}, end=40.0)
+        result, _ = best({"preset": "default", key: value}, end=10.0)
         times.append(1e6 * result.timings.loop_s / result.newton_iterations)
         print(f"{value:18} {times[-1]:18.0f}", flush=True)
     for part, name in ((slice(None), "all"), (slice(len(values) // 2, None), "the larger half")):
