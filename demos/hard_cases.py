@@ -18,11 +18,12 @@ from closed_forms import MU, H, P, R, balloon, buckling, inflated, sphere_burst
 
 from fenics_yeast import Scene, simulate, wall
 from fenics_yeast import growth as growth_laws
+from fenics_yeast.curves import Sphere
 from fenics_yeast.equilibrium import Equilibrium
 from fenics_yeast.evolution import Evolution
 from fenics_yeast.integrators import TABLEAUX
 from fenics_yeast.laws import Law
-from fenics_yeast.meridian import Discretisation, Interval, Sphere
+from fenics_yeast.meridian import Discretisation, Interval
 from fenics_yeast.record import Result, Status
 from fenics_yeast.shell import Shell
 from fenics_yeast.simulation import build_shell

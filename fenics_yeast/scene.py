@@ -11,25 +11,20 @@ import re
 import tomllib
 from collections.abc import Mapping
 from copy import deepcopy
-from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Self
 
-from pydantic import (
-    Discriminator,
-    Field,
-    PrivateAttr,
-    Tag,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
+from fenics_yeast._cell import Cell
+from fenics_yeast._growth import Growth, Zone
 from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
-from fenics_yeast._quantities import Angle, Length, Pressure, Time, refusal
-from fenics_yeast._scene_errors import BRANCH, SceneError, explain, value_text
+from fenics_yeast._quantities import refusal
+from fenics_yeast._run import Control, Run, StaticPath, Until
+from fenics_yeast._scene_errors import SceneError, explain, value_text
 from fenics_yeast._table import Table
+from fenics_yeast._turgor import PressureTable, Turgor
+from fenics_yeast._wall import Wall
 
 __all__ = [
     "PRESETS",
@@ -53,150 +48,6 @@ __all__ = [
     "parse_assignment",
     "parse_value",
 ]
-
-
-class Cell(Table):
-    """The shape of the unloaded cell."""
-
-    shape: Literal["sphere"] = Field(description="shape of the mid-surface")
-    diameter: Length = Field(gt=0, description="diameter of the mid-surface (µm)")
-
-    @property
-    def radius(self) -> float:
-        """Radius of the mid-surface (µm)."""
-        return self.diameter / 2
-
-
-class Wall(Table):
-    """The cell wall: its thickness and the Ogden energy of its material, equation (9)."""
-
-    thickness: Length = Field(gt=0, description="thickness of the wall (µm)")
-    shear_modulus: Pressure = Field(gt=0, description="shear modulus µ (MPa)")
-    ogden_exponent: float = Field(
-        default=2.0, description="Ogden's exponent α, any number but 0 (1)"
-    )
-
-    @field_validator("ogden_exponent")
-    @classmethod
-    def _not_zero(cls, value: float) -> float:
-        if value == 0:
-            raise refusal("", allowed="any number but 0 is allowed")
-        return value
-
-
-class PressureTable(Table):
-    """Pressure that changes in time: linear from value to value, held before and after them."""
-
-    time: Annotated[tuple[Time, ...], Field(strict=False)] = Field(
-        description="increasing times from 0 on (min)"
-    )
-    value: Annotated[tuple[Pressure, ...], Field(strict=False)] = Field(
-        description="pressure at each of the times (MPa)"
-    )
-
-    @field_validator("time")
-    @classmethod
-    def _increasing(cls, times: tuple[float, ...]) -> tuple[float, ...]:
-        if not times or times[0] < 0 or any(a >= b for a, b in pairwise(times)):
-            raise refusal("", allowed="increasing times from 0 on are wanted, e.g. [0, 30, 40]")
-        return times
-
-    @field_validator("value")
-    @classmethod
-    def _one_for_each_time(
-        cls, values: tuple[float, ...], info: ValidationInfo
-    ) -> tuple[float, ...]:
-        times = info.data.get("time")
-        if times is not None and len(values) != len(times):
-            raise refusal("", allowed=f"a pressure for each of the {len(times)} times is wanted")
-        return values
-
-
-def _number_or_table(value: object) -> str:
-    return f"{BRANCH}table" if isinstance(value, Mapping | PressureTable) else f"{BRANCH}number"
-
-
-class Turgor(Table):
-    """The pressure inside the cell: it rises linearly from 0 over the ramp and is then held.
-
-    Given as a table it changes in time; its first rise is still that of the ramp. A scene with a
-    `path` finds its own pressures.
-    """
-
-    pressure: Annotated[
-        Annotated[Pressure, Tag(f"{BRANCH}number")]
-        | Annotated[PressureTable, Tag(f"{BRANCH}table")],
-        Discriminator(_number_or_table),
-    ] = Field(description="turgor pressure, negative from outside, or a table of it (MPa)")
-    ramp: Time = Field(default=0.01, ge=0, description="duration of the rise from 0 (min)")
-
-
-class Zone(Table):
-    """The part of the wall that grows: a polar cap of the unloaded cell."""
-
-    pole: Literal["top", "bottom"] = Field(description="pole around which the wall grows")
-    half_angle: Angle = Field(
-        gt=0, le=180, description="polar angle from the pole to the zone's edge (degrees)"
-    )
-
-
-class Growth(Table):
-    """Growth of the wall where its stress exceeds a threshold, equations (12)-(13)."""
-
-    zone: Zone = Field(description="the part of the wall that grows")
-    threshold: Pressure = Field(gt=0, description="stress σ_trs above which it grows (MPa)")
-    time: Time = Field(gt=0, description="characteristic time t_grw of growth (min)")
-
-
-class Run(Table):
-    """The time span of a simulation and the times whose profiles are kept."""
-
-    end: Time = Field(gt=0, description="end of the simulation (min)")
-    save: Annotated[tuple[Time, ...], Field(strict=False)] = Field(
-        default_factory=lambda given: (given["end"],),
-        description="times hit exactly and kept, sorted; left out: the end alone (min)",
-    )
-
-    @field_validator("save")
-    @classmethod
-    def _within_the_run(cls, times: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
-        if not times:
-            raise refusal("", allowed="at least one time is wanted; left out, the end is saved")
-        end = info.data.get("end", float("inf"))
-        for time in times:
-            if not 0 <= time <= end:
-                allowed = f"saved times lie from 0 to run.end ({end:g} min)"
-                raise refusal(f"{time:g} min is outside the run", allowed=allowed)
-        return tuple(sorted(set(times)))
-
-
-Control = Literal["pressure", "volume", "arc-length"]
-
-
-class Until(Table):
-    """Where a path ends: at a volume ratio or at a pressure."""
-
-    volume_ratio: float | None = Field(default=None, gt=0, description="V/V0 (1)")
-    pressure: Pressure | None = Field(default=None, description="pressure (MPa)")
-
-    @model_validator(mode="after")
-    def _one_of_them(self) -> Self:
-        if (self.volume_ratio is None) == (self.pressure is None):
-            allowed = 'either volume_ratio or pressure is wanted, e.g. { pressure = "1 MPa" }'
-            raise refusal("", allowed=allowed)
-        if self.volume_ratio == 1 or self.pressure == 0:
-            raise refusal("", allowed="a path ends elsewhere than it begins, V/V0 = 1 without load")
-        return self
-
-
-class StaticPath(Table):
-    """The equilibria of an elastic wall from the unloaded one on, over limit points too."""
-
-    control: Control = Field(default="volume", description="what is prescribed at each point")
-    until: Until = Field(description="where the path ends")
-    steps: int = Field(
-        default=60, ge=1, le=100_000, description="number of steps; cut where they fail"
-    )
 
 
 class Scene(Table):
