@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import contextlib
 import logging
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 import ufl
@@ -21,7 +21,7 @@ try:
     petsc4py.init(["-no_signal_handler"])  # a closed pipe or Ctrl-C is ours to answer
     import dolfinx.fem.petsc
     import dolfinx.mesh
-    from dolfinx import fem, la
+    from dolfinx import fem, jit, la
     from mpi4py import MPI
     from petsc4py import PETSc
 except ImportError as error:
@@ -34,6 +34,8 @@ try:
     import basix.ufl as basix_ufl
 except ImportError:  # dolfinx 0.5 describes elements in ufl
     basix_ufl = None
+
+from . import _form_cache
 
 __all__ = [
     "MPI",
@@ -62,6 +64,11 @@ _ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
 _NEW_SPACES = hasattr(fem, "functionspace")
 _JIT = {"cffi_extra_compile_args": ["-O2", "-fno-math-errno"], "cffi_libraries": ["m"]}
 _JIT_KEYWORD = "jit_options" if _NEW_SPACES else "jit_params"
+# What fem.form adds to the options, which are part of a form's name in the cache.
+_SCALAR = {"scalar_type": dolfinx.default_scalar_type} if _NEW_SPACES else {}
+_COMPILERS = ("cffi", "distutils", "setuptools")  # whose errors are no errors of a form
+
+T = TypeVar("T")
 
 
 def interval_mesh(comm: Any, nodes: NDArray[np.float64]) -> Any:
@@ -80,8 +87,9 @@ def interval_mesh(comm: Any, nodes: NDArray[np.float64]) -> Any:
 
 
 def _space(mesh: Any, element: Any) -> Any:
-    with _quiet():
-        return fem.functionspace(mesh, element) if _NEW_SPACES else fem.FunctionSpace(mesh, element)
+    if _NEW_SPACES:
+        return fem.functionspace(mesh, element)
+    return _compiled(mesh.comm, element, lambda **jit: fem.FunctionSpace(mesh, element, **jit))
 
 
 def shell_space(mesh: Any, order: int) -> Any:
@@ -164,16 +172,39 @@ def _quiet() -> Iterator[None]:
         logging.disable(disabled)
 
 
+def _compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
+    """What `make` compiles from a source, on all ranks of a communicator."""
+    place = comm.bcast(_form_cache.folder() if comm.rank == 0 else None)
+    options = {_JIT_KEYWORD: {**_JIT, "cache_dir": place}}
+    try:
+        with _quiet():
+            if comm.size == 1:
+                with _form_cache.held(place):
+                    return make(**options)
+            # Rank 0 compiles alone: who holds the lock must not wait for ranks that want it.
+            # What fails there fails again in `make`, on all ranks.
+            if comm.rank == 0:
+                with contextlib.suppress(Exception), _form_cache.held(place):
+                    jit.ffcx_jit(MPI.COMM_SELF, source, _SCALAR, options[_JIT_KEYWORD])
+            return make(**options)
+    except Exception as error:
+        library = type(error).__module__.partition(".")[0]
+        if library in _COMPILERS or "just-in-time compilation" in str(error):
+            raise _form_cache.compiler_error(place, error) from error
+        raise
+
+
 def compile_form(form: Any) -> Any:
     """Compiled form."""
-    with _quiet():
-        return fem.form(form, **{_JIT_KEYWORD: _JIT})
+    comm = form.ufl_domain().ufl_cargo().comm
+    return _compiled(comm, form, lambda **jit: fem.form(form, **jit))
 
 
 def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
     """Compiled expression at points of the reference interval."""
-    with _quiet():
-        return fem.Expression(expression, points, **{_JIT_KEYWORD: _JIT})
+    comm = expression.ufl_domain().ufl_cargo().comm
+    make = fem.Expression
+    return _compiled(comm, (expression, points), lambda **jit: make(expression, points, **jit))
 
 
 def evaluate(expression: Any, mesh: Any, cells: NDArray[np.int32]) -> NDArray[np.float64]:

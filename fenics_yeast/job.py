@@ -28,7 +28,7 @@ _UNSTARTED = Result(
 
 
 class DolfinxMissing(Exception):
-    """dolfinx cannot be loaded; the message is a line that says how to install it."""
+    """dolfinx cannot be loaded or compiles nothing; the message is a line that says what to do."""
 
 
 class Screen(Observer, Protocol):
@@ -82,7 +82,7 @@ def run_into(
     Raises
     ------
     DolfinxMissing
-        If dolfinx cannot be loaded.
+        If dolfinx cannot be loaded, or finds no C compiler.
     OutputError
         On every rank, before anything is computed, if the folder cannot be written.
     RunLost
@@ -101,6 +101,7 @@ def run_into(
             if screen is not None and comm.rank == 0:
                 stack.enter_context(screen)
                 observers.append(screen)
+            from ._form_cache import CompilerError
             from .simulation import simulate
         except ImportError as error:
             raise DolfinxMissing(str(error)) from None
@@ -128,6 +129,8 @@ def run_into(
                     _complete(folder, scene, result, import_s, began)
         except OutputError as error:
             raise RunLost(str(error)) from None
+        except CompilerError as error:
+            raise DolfinxMissing(str(error)) from None
     return result
 
 

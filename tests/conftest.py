@@ -128,23 +128,28 @@ def one_cell():
     return dx.interval_mesh(dx.MPI.COMM_SELF, np.array([0.0, 1.0]))
 
 
+RANKS = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",  # Open MPI 5
+    "OMP_NUM_THREADS": "1",
+}
+
+
 @pytest.fixture
 def mpirun(tmp_path: Path) -> Callable[[str, int], Path]:
     """Run a Python text on a number of ranks, in a folder that is returned."""
-    environment = os.environ | {
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_mpi_yield_when_idle": "1",
-        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",  # Open MPI 5
-        "OMP_NUM_THREADS": "1",
-    }
 
     def run(text: str, ranks: int) -> Path:
         folder = tmp_path / f"{ranks}-ranks"
         folder.mkdir()
         script = folder / "script.py"
         script.write_text(text)
+        own = ("OMPI_", "PMIX_", "PRTE_")  # of an mpirun that the tests run under
+        outside = {k: v for k, v in os.environ.items() if not k.startswith(own)}
+        environment = outside | RANKS
         command = ["mpirun", "-n", str(ranks), sys.executable, str(script)]
         done = subprocess.run(
             command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120

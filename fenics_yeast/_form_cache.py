@@ -1,0 +1,86 @@
+"""The folder of compiled forms, which killed and simultaneous processes leave in order.
+
+FFCx marks what it compiles with an empty C file and waits for whoever left one, who may be dead.
+Here one process compiles at a time, under a lock that ends with it, in a folder of our own: what
+is unfinished while the lock is held has no owner any more, and is compiled anew.
+"""
+
+from __future__ import annotations
+
+import atexit
+import fcntl
+import os
+import shutil
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+
+_LOCK = "lock"
+
+
+class CompilerError(RuntimeError):
+    """Forms cannot be compiled on this machine; the message is a line that says what to do."""
+
+
+@cache
+def folder() -> Path:
+    """Folder for this Python and machine, or a temporary one if that cannot be used."""
+    try:
+        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        place = Path(base, "fenics-yeast", f"forms-{sysconfig.get_config_var('SOABI')}").absolute()
+        place.mkdir(parents=True, exist_ok=True)
+        if place.stat().st_uid != os.geteuid():  # code is loaded from it
+            raise PermissionError(0, "it belongs to someone else")
+        with open(place / _LOCK, "a"):
+            return place
+    except (OSError, RuntimeError) as error:  # RuntimeError: there is no home
+        problem = getattr(error, "strerror", None) or str(error)
+    place = Path(tempfile.mkdtemp(prefix="fenics-yeast-forms-"))
+    atexit.register(shutil.rmtree, place, ignore_errors=True)
+    os.environ.setdefault("MPLCONFIGDIR", str(place))  # else matplotlib says the same at length
+    print(
+        "warning: compiled forms are kept for this run only, since the cache folder cannot be "
+        f"used ({problem}); XDG_CACHE_HOME may name another",
+        file=sys.stderr,
+    )
+    return place
+
+
+@contextmanager
+def held(place: Path) -> Iterator[None]:
+    """Hold the lock of a folder; nothing in it is half-compiled then."""
+    with open(place / _LOCK, "a") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX)  # ends with the process, however that ends
+        except OSError:  # a file system without locks
+            pass
+        else:
+            _remove_unfinished(place)
+        yield
+
+
+def _remove_unfinished(place: Path) -> None:
+    names = set(os.listdir(place))
+    suffix = f".{sysconfig.get_config_var('SOABI')}.so"
+    for name in names:
+        module, extension = os.path.splitext(name)
+        if extension == ".c" and not {f"{name}.cached", module + suffix} <= names:
+            for rest in (name, f"{name}.cached"):
+                (place / rest).unlink(missing_ok=True)
+
+
+def compiler_error(place: Path, error: Exception) -> CompilerError:
+    """What a compilation in a folder ended in, and what to do about it."""
+    compiler = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
+    if shutil.which(compiler) is None:
+        text = f"the C compiler {compiler}, which FEniCSx needs at run time, cannot be found"
+        return CompilerError(f"{text}; on Debian: sudo apt install gcc libc6-dev")
+    if not Path(sysconfig.get_path("include"), "Python.h").exists():
+        text = "Python.h, which FEniCSx needs at run time, is missing"
+        return CompilerError(f"{text}; on Debian: sudo apt install python3-dev")
+    reason = " ".join(str(error).split())
+    return CompilerError(f"forms cannot be compiled in {place}: {reason}")
