@@ -137,13 +137,6 @@ def growth_at_both_poles() -> Law:
 
 EVEN = {"numerics.elements": 60, "numerics.order": 4, "numerics.grading": "uniform"}
 HALF = {"turgor.pressure": P / 2, "growth.threshold": 0.5}  # what a wall of μ/10 can bear
-OTHER = {  # another mesh, order and method
-    "numerics.elements": 240,
-    "numerics.order": 2,
-    "numerics.grading": "uniform",
-    "numerics.integrator": "sdirk2",
-    "numerics.step": 0.5,
-}
 
 
 def two_poles() -> Found:
@@ -153,18 +146,6 @@ def two_poles() -> Found:
     one = volume(BUD.with_values(EVEN))
     start = volume(SPHERE.with_values(EVEN)).value
     return Found(both.status, (both.value - start) / (one.value - start), both.iterations)
-
-
-def against_itself(values: dict[str, object], **laws: Law) -> Callable[[], Found]:
-    """V/V0 over that of another mesh, order and method in time."""
-
-    def run() -> Found:
-        scene = BUD.with_values(values)
-        this = volume(scene, **laws)
-        other = volume(scene.with_values(OTHER), **laws)
-        return Found(this.status, this.value / other.value, this.iterations, this.message)
-
-    return run
 
 
 def uneven_mesh() -> Found:
@@ -233,6 +214,17 @@ def deflated_and_back() -> Found:
     return Found("finished", shell.volume() / before, iterations)
 
 
+def turgor_off() -> Found:
+    """V/V0 of a bud that was without turgor for ten of its 90 min.
+
+    It is not that of 80 min: at the zone's edge the stresses that growth leaves behind exceed the
+    threshold without any turgor.
+    """
+    edges = [0, 40, 40.01, 50, 50.01]
+    table = {"time": edges, "value": [P, P, 0, 0, P]}
+    return volume(BUD.with_values({"turgor.pressure": table, **until(90.01)}))
+
+
 def by_a_table() -> Found:
     """V/V0 of an elastic cell whose turgor is given by times and values, at half of its fall."""
     table = {"time": [0, 30, 40], "value": [P, P, P / 10]}
@@ -245,6 +237,9 @@ CPP = "C++"
 BY_EXPONENT = {-4.0: 1.2230437, 0.5: 1.2153239, 8.0: 1.1947674, 12.0: 1.1833314}
 CONVERGED = 1.211736  # V/V0 of the bud at 80 min: C++ and a p-version code in NumPy
 BACKWARD_SLOPE = 0.00373  # min⁻¹, first-order error of backward Euler at 80 min: C++, 0.05, 0.5 min
+# V/V0 at 80 min by steps of backward Euler, 480 to 1920 cells extrapolated. From rest a step of
+# 20 min is cut: the last one is of the steps that are then made, 10 min and four of 17.5 min.
+BACKWARD = {2.0: 1.205207, 5.0: 1.198643, 20.0: 1.206573}
 LIMIT = 93.151  # min: C++, steps of 0.02 min; 93.1122 (480 cells), 93.1416 (960)
 LONG = {"numerics.integrator": "backward-euler"}
 
@@ -310,9 +305,9 @@ def steps() -> list[Case]:
     cases += [
         Case(
             f"backward Euler, {step:g} min", "V/V0", bud({**LONG, "numerics.step": step}),
-            "finished", CONVERGED, BACKWARD_SLOPE * step, f"{CPP}, its first-order error",
+            "finished", reference, 3e-5, f"{CPP}, the same steps", "cut" if step == 20 else "",
         )
-        for step in (2.0, 5.0, 20.0)
+        for step, reference in BACKWARD.items()
     ]  # fmt: skip
     explicit = {"numerics.integrator": "forward-euler"}
     cases += [
@@ -325,8 +320,8 @@ def steps() -> list[Case]:
     cases += [
         Case("steps of 1e-6 min", "V/V0", bud({"numerics.step": 1e-6, **until(1e-4)}),
              "finished", inflated(P), 2e-5, "membrane"),
-        Case("μ = 4000 MPa", "V/V0 ratio", against_itself({"wall.shear_modulus": 4000.0}),
-             "finished", 1, 1e-4, "other mesh and method"),
+        Case("μ = 4000 MPa", "V/V0", bud({"wall.shear_modulus": 4000.0}),
+             "finished", 1.043435, 1e-4, CPP),
         Case("growth time 0.5 min", "V/V0", bud({"growth.time": 0.5, **until(80 / 90)}),
              "finished", CONVERGED, 1e-4, "t/t_grw"),
     ]  # fmt: skip
@@ -373,15 +368,14 @@ def zones() -> list[Case]:
         Case("zones at both poles", "growth ratio", two_poles, "finished", 2, 1e-3, "twice one"),
         Case("threshold never reached", "V/V0", bud({"growth.threshold": 10.0, **until(1e6)}),
              "finished", inflated(P), 2e-5, "membrane", "nothing grew"),
-        Case("mother ten times softer", "V/V0 ratio",
-             against_itself({**EVEN, **HALF, **until(40)}, energy=stiffness_by_place(MU, MU / 10)),
-             "finished", 1, 1e-4, "other mesh and method"),
-        Case("mother ten times stiffer", "V/V0 ratio",
-             against_itself(EVEN, energy=stiffness_by_place(MU, 10 * MU)),
-             "finished", 1, 1e-4, "other mesh and method"),
-        Case("μ jumps by 100", "V/V0 ratio",
-             against_itself({**EVEN, **until(40)}, energy=stiffness_by_place(100 * MU, MU)),
-             "finished", 1, 1e-4, "other mesh and method"),
+        Case("mother ten times softer", "V/V0",
+             bud({**EVEN, **HALF, **until(40)}, energy=stiffness_by_place(MU, MU / 10)),
+             "finished", 1.529588, 1e-4, CPP),
+        Case("mother ten times stiffer", "V/V0",
+             bud(EVEN, energy=stiffness_by_place(MU, 10 * MU)), "finished", 1.055610, 1e-4, CPP),
+        Case("μ jumps by 100", "V/V0",
+             bud({**EVEN, **until(40)}, energy=stiffness_by_place(100 * MU, MU)),
+             "finished", 1.088147, 1e-4, CPP),
         Case("20 cells", "V/V0", bud({"numerics.elements": 20}), "finished", CONVERGED, 1e-4, CPP),
         Case("4000 cells", "V/V0",
              bud({"numerics.elements": 4000, "numerics.order": 1, **until(40)}),
@@ -409,6 +403,8 @@ def loads() -> list[Case]:
              "finished", balloon(2.0, 8.0), 0.02, "membrane, λ = 2"),
         Case("bud deflated to 10 % and back", "V/V0 ratio", deflated_and_back, "finished", 1,
              1e-10, "growth stands still"),
+        Case("turgor off from 40 to 50 min", "V/V0", turgor_off, "finished", 1.213753, 1e-4,
+             f"{CPP}; residual stresses go on"),
         Case("turgor by a table, elastic", "V/V0", by_a_table, "finished", inflated(0.55 * P),
              2e-5, "membrane"),
     ]  # fmt: skip

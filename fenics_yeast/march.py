@@ -108,6 +108,8 @@ class March:
             message += "; nothing grew: the stress stays below the threshold"
         if self._cut:
             message += f"; steps were cut, for {self._tableau.name} is not stable in longer ones"
+        elif steps.cuts and self._scene.numerics.step is not None:
+            message += f"; fixed steps that found no equilibrium were cut: {steps.cuts}"
         return Outcome("finished", message)
 
     # --- loading --------------------------------------------------------------------------

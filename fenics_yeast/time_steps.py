@@ -30,6 +30,8 @@ class TimeSteps:
     ----------
     failures
         Steps in a row that found no equilibrium.
+    cuts
+        Steps in all that found none.
     """
 
     def __init__(self, milestones: Iterable[float], step: float, order: int | None) -> None:
@@ -39,7 +41,7 @@ class TimeSteps:
         self._least = step * _LEAST
         self._order = order
         self._last_error = 1.0
-        self.failures = 0
+        self.failures = self.cuts = 0
 
     def propose(self, time: float, longest: float = float("inf")) -> float | None:
         """End of the next step from a time, of a bounded length; None at the end of the run."""
@@ -85,4 +87,5 @@ class TimeSteps:
     def failed(self) -> None:
         """Cut the step that found no equilibrium."""
         self.failures += 1
+        self.cuts += 1
         self._wanted = _CUT * self._taken
