@@ -49,11 +49,11 @@ __all__ = [
     "compile_form",
     "create_matrix",
     "dof_array",
+    "end_dofs",
     "evaluate",
     "fem",
     "interval_mesh",
     "node_dofs",
-    "pole_dofs",
     "quadrature_points",
     "quadrature_space",
     "shell_space",
@@ -117,7 +117,7 @@ def cell_vertices(mesh: Any) -> NDArray[np.int32]:
     return np.asarray(getattr(dofmap, "array", dofmap)).reshape(-1, 2)
 
 
-def pole_dofs(space: Any, sub: tuple[int, int], S: float) -> NDArray[np.int32]:
+def end_dofs(space: Any, sub: tuple[int, int], S: float) -> NDArray[np.int32]:
     """Degrees of freedom of a component at the end of the mesh with the arc length `S`."""
     tolerance = 1e-9 * max(abs(S), 1.0)
     vertices = dolfinx.mesh.locate_entities_boundary(

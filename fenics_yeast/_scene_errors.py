@@ -29,6 +29,7 @@ _ABSENT = object()
 _SEVERAL = (UnionType, Union, Annotated)
 _WANTED = {int: "a whole number", float: "a number", str: "a text in quotes"}
 _LISTS = {"min": "[40, 70, 90]", "MPa": '["2 atm", "0.2 atm"]'}
+_NO_KIND = ("union_tag_invalid", "union_tag_not_found")
 _REASONS = {"finite_number": "not finite"}
 
 
@@ -51,13 +52,15 @@ def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str
     path = tuple(part for part in problem["loc"] if not str(part).startswith(BRANCH))
     if context.get("key"):
         path += tuple(context["key"].split("."))
+    if problem["type"] in _NO_KIND and isinstance(_look_up(data, path), Mapping):
+        path += (_kind_key(_field_at(model, data, path)[0]),)
     value = _look_up(data, path)
     given = " is missing" if value is _ABSENT else f" = {value_text(value)}"
     what = key_text(path) + given
     if problem["type"] in ("extra_forbidden", "invalid_key"):
-        return f"{what}: {_nearest(model, path)}"
+        return f"{what}: {_nearest(model, data, path)}"
     reason = context.get("reason") or _REASONS.get(problem["type"])
-    allowed = context.get("allowed") or _allowed(model, path)
+    allowed = context.get("allowed") or _allowed(model, data, path)
     return f"{what}: {reason}; {allowed}" if reason else f"{what}: {allowed}"
 
 
@@ -70,22 +73,55 @@ def _look_up(data: Any, path: _Path) -> object:
     return data
 
 
-def _model_of(annotation: Any) -> type[BaseModel] | None:
+def _models_of(annotation: Any) -> list[type[BaseModel]]:
+    """Tables that a value may be."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
+        return [annotation]
     kinds = get_args(annotation) if get_origin(annotation) in _SEVERAL else ()
-    return next(filter(None, map(_model_of, kinds)), None)
+    return [model for kind in kinds for model in _models_of(kind)]
 
 
-def _allowed(model: type[BaseModel], path: _Path) -> str:
-    """Say what is allowed at `path` below `model`, from the field found there."""
+def _kind_key(annotation: Any) -> str:
+    """Key whose value tells several kinds of table apart."""
+    fields = _models_of(annotation)[-1].model_fields.items()
+    return next(key for key, field in fields if get_origin(field.annotation) is Literal)
+
+
+def _model_of(annotation: Any, value: object = None) -> type[BaseModel] | None:
+    """Table that a value is meant to be; the first one where that cannot be told."""
+    models = _models_of(annotation)
+    if len(models) > 1:
+        key = _kind_key(annotation)
+        kind = _look_up(value, (key,))
+        for model in models:
+            if key in model.model_fields and kind in get_args(model.model_fields[key].annotation):
+                return model
+    return models[0] if models else None
+
+
+def _field_at(model: type[BaseModel], data: object, path: _Path) -> tuple[Any, list[Any]]:
+    """Annotation and metadata of the field at `path` below `model`."""
     annotation: Any = model
     metadata: list[Any] = []
+    value = data
     for part in path:
         if isinstance(part, int):  # an entry of a list
             annotation, *metadata = get_args(get_args(annotation)[0])
-        elif field := (_model_of(annotation) or model).model_fields.get(part):
-            annotation, metadata = field.annotation, field.metadata
+        else:
+            models = _models_of(annotation)
+            key = _kind_key(annotation) if len(models) > 1 else None
+            if part == key:  # one of the kinds
+                kinds = [k for m in models for k in get_args(m.model_fields[key].annotation)]
+                annotation, metadata = Literal[tuple(kinds)], []
+            elif field := (_model_of(annotation, value) or model).model_fields.get(part):
+                annotation, metadata = field.annotation, field.metadata
+        value = _look_up(value, (part,))
+    return annotation, metadata
+
+
+def _allowed(model: type[BaseModel], data: object, path: _Path) -> str:
+    """Say what is allowed at `path` below `model`, from the field found there."""
+    annotation, metadata = _field_at(model, data, path)
     if get_origin(annotation) in (UnionType, Union):
         first = get_args(annotation)[0]  # the kind that is told; None or a table is another
         annotation, *own = get_args(first) if get_origin(first) is Annotated else (first,)
@@ -110,15 +146,15 @@ def _allowed(model: type[BaseModel], path: _Path) -> str:
     return " ".join(filter(None, (kind, bounds, "is wanted"))) + example
 
 
-def _nearest(model: type[BaseModel], path: _Path) -> str:
+def _nearest(model: type[BaseModel], data: object, path: _Path) -> str:
     """Suggest a known key for the unknown one at the end of `path`."""
     import difflib  # late: most scenes are right
 
     *parents, key = path
-    table = model
+    table, value = model, data
     for part in parents:
-        field = table.model_fields.get(str(part))
-        table = (_model_of(field.annotation) if field else None) or table
+        field, value = table.model_fields.get(str(part)), _look_up(value, (part,))
+        table = (_model_of(field.annotation, value) if field else None) or table
     if near := difflib.get_close_matches(str(key), table.model_fields, n=1):
         return f"unknown key; did you mean {key_text((*parents, near[0]))}?"
     for name, field in model.model_fields.items():

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .meridian import discretise
 from .output import SHAPES, VOLUME
 from .record import ErrorBars, History, Profile, Profiles, Status
 from .scene import Scene
@@ -253,10 +254,8 @@ def _in_zone(profile: Profile, scene: Scene) -> NDArray[np.bool_]:
     S, pieces = profile.S, np.arange(len(profile.S) - 1)
     if scene.growth is None:
         return np.zeros(len(pieces), dtype=bool)
-    extent = S[-1] * scene.growth.zone.half_angle / 180
-    if scene.growth.zone.pole == "bottom":
-        return pieces < np.argmin(np.abs(S - extent))
-    return pieces >= np.argmin(np.abs(S - (S[-1] - extent)))
+    zone, middle = discretise(scene).zone, (S[1:] + S[:-1]) / 2
+    return (zone.start < middle) & (middle < zone.end) if zone else np.zeros(len(pieces), bool)
 
 
 def _draw_wall(

@@ -16,7 +16,7 @@ from typing import Any, Self
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from fenics_yeast._cell import Cell
+from fenics_yeast._cell import AnyCell, Cell
 from fenics_yeast._growth import Growth, Zone
 from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from fenics_yeast._quantities import refusal
@@ -59,7 +59,7 @@ class Scene(Table):
     title: str = Field(
         default="", description="title of figures, and the name unless read from a file"
     )
-    cell: Cell = Field(description="shape of the unloaded cell")
+    cell: AnyCell = Field(description="shape of the unloaded cell")
     wall: Wall = Field(description="the cell wall")
     turgor: Turgor = Field(description="pressure inside the cell")
     growth: Growth | None = Field(
@@ -78,9 +78,14 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _tables_agree(self) -> Self:
-        if self.wall.thickness >= self.cell.radius:
-            allowed = f"a thickness less than the cell's radius ({self.cell.radius:g} µm) is wanted"
+        radius = self.cell.least_radius
+        if self.wall.thickness >= radius:
+            least = "radius" if radius == self.cell.radius else "least radius"
+            allowed = f"a thickness less than the cell's {least} ({radius:.6g} µm) is wanted"
             raise refusal("", allowed=allowed, key="wall.thickness")
+        if self.growth is not None and self.growth.zone.pole not in self.cell.poles:
+            allowed = f"a {self.cell.shape} has no {self.growth.zone.pole} pole"
+            raise refusal("", allowed=allowed, key="growth.zone.pole")
         if self.path is not None:
             for table in ("run", "growth"):
                 if getattr(self, table) is not None:
@@ -151,7 +156,7 @@ class Scene(Table):
     @classmethod
     def _from_tables(cls, tables: dict[str, Any], source: str) -> Self:
         try:
-            scene = cls.model_validate(tables)
+            scene = cls.model_validate(tables, context={"folder": Path(source).parent})
         except ValidationError as error:
             raise SceneError(f"{source}: {explain(cls, tables, error)}") from None
         scene._source = source
@@ -164,6 +169,7 @@ class Scene(Table):
         tables = {key: value for key, value in self.model_dump().items() if value is not None}
         if self.path is not None:
             tables["path"]["until"] = self.path.until.model_dump(exclude_none=True)
+        tables["cell"] = self.cell.model_dump(exclude_none=True)
         if self.numerics.step is None:
             tables["numerics"]["step"] = "adaptive"
         return "# Units: µm, MPa, min, degrees.\n" + tomli_w.dumps(tables)

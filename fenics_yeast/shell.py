@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from . import _dolfinx as dx
 from . import growth, kinematics
+from ._cell import End
 from .growth_state import GrowthState
 from .laws import Law
 from .meridian import Discretisation
@@ -21,6 +22,16 @@ from .point_field import PointField
 Array = NDArray[np.float64]
 
 _ELASTIC, _GROWING = 0, 1
+_AXIAL = 1
+# Components of (u_r, u_z, β) that are held at an end of the meridian.
+_HELD: dict[End, tuple[int, ...]] = {
+    "pole": (0, 2),
+    "clamped": (0, 1, 2),
+    "hinged": (0, 1),
+    "roller": (1, 2),
+    "axial": (1,),
+    "free": (),
+}
 # Keeps the pivots of the shear force off zero; V/V0 is that of γ = 0 to 10 digits from here on.
 _LARGEST_PENALTY = 1e8
 
@@ -89,7 +100,7 @@ class Shell:
         Compiled derivatives of the residual, by the state and by the stage's length, when growth
         follows the strain in its stage; None for an elastic wall.
     conditions, constrained
-        Conditions at the poles, all homogeneous, and their local degrees of freedom.
+        Conditions at the ends, all homogeneous, and their local degrees of freedom.
     """
 
     def __init__(
@@ -119,7 +130,7 @@ class Shell:
         self._zeta, self._weights = np.polynomial.legendre.leggauss(thickness_points)
         self.xi: Array = self._zeta * thickness / 2
         self._place_points()
-        self._constrain_poles()
+        self._constrain_ends()
 
         self._describe()
         self.growth = None
@@ -156,11 +167,13 @@ class Shell:
         self._dS = ufl.Measure("dx", domain=self.mesh, subdomain_data=tags, metadata=metadata)
         self.quadrature_S = S
 
-    def _constrain_poles(self) -> None:
-        """`u_r = β = 0` at both poles, which regularity asks, and `u_z = 0` at the bottom."""
-        top = self.discretisation.curve.length
-        held = [(0, 0.0), (1, 0.0), (2, 0.0), (0, top), (2, top)]
-        dofs = [(dx.pole_dofs(self.space, (0, i), S), i) for i, S in held]
+    def _constrain_ends(self) -> None:
+        """Hold what regularity asks at the poles, and what the edges' supports take."""
+        ends = zip(self.discretisation.ends, (0.0, self.discretisation.curve.length), strict=True)
+        held = [(i, S) for end, S in ends for i in _HELD[end]]
+        if all(i != _AXIAL for i, _ in held):
+            held.append((_AXIAL, 0.0))  # else a closed cell could move along its axis
+        dofs = [(dx.end_dofs(self.space, (0, i), S), i) for i, S in held]
         zero = self._constant(0.0)
         self.conditions = [dx.fem.dirichletbc(zero, d, self.space.sub(0).sub(i)) for d, i in dofs]
         self.constrained = np.concatenate([d for d, _ in dofs])
