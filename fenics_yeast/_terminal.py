@@ -33,7 +33,7 @@ class Lines:
     def saved(self, profile: Profile) -> None:
         """Print the line."""
         if self._row is not None:
-            _print(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
+            print_line(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
 
     def refining(self, part: str) -> None:
         """Nothing: the lines at the end have it."""
@@ -42,10 +42,10 @@ class Lines:
         """Say what the error bars are, how the run ended and where its files are."""
         if result.error_bars is not None:
             for cells in [_HEADINGS, *_rows(result.error_bars)]:
-                _print("  ".join(f"{cell:>16}" for cell in cells))
+                print_line("  ".join(f"{cell:>16}" for cell in cells))
             if result.error_bars.message:
-                _print(result.error_bars.message)
-        _print(f"{result.status}, see {place}")
+                print_line(result.error_bars.message)
+        print_line(f"{result.status}, see {place}")
 
 
 class ProgressLine:
@@ -143,7 +143,7 @@ def _rows(bars: ErrorBars) -> Iterator[list[str]]:
         yield [f"{time:.4g}", *("unknown" if isnan(e) else f"{e:.1e}" for e in errors)]
 
 
-def _print(line: str) -> None:
+def print_line(line: str) -> None:
     """Print at once; a reader that has gone away does not end the run."""
     try:
         print(line, flush=True)

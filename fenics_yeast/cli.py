@@ -6,27 +6,33 @@ Start-up is kept short: what only a run or a figure needs is imported where it i
 from __future__ import annotations
 
 import os
-import signal
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ._exits import (
+    BAD_INPUT,
+    BROKEN,
+    EXIT,
+    FAILED,
+    INTERRUPTED,
+    abandon,
+    fail,
+    launched,
+    on_terminal,
+    terminated_as_interrupted,
+)
 from .scene import Scene, SceneError, parse_assignment
 
 if TYPE_CHECKING:
     from ._terminal import Lines, ProgressLine
     from .record import Result
+    from .sweep import Case
+    from .sweep_table import CaseRow
 
 _BEGAN = perf_counter()
-
-_BAD_INPUT, _INTERRUPTED = 2, 130
-_EXIT = {"finished": 0, "no-equilibrium": 3, "failed": 4, "interrupted": _INTERRUPTED}
-_LOST = 1  # neither input nor physics: dolfinx is missing
 
 app = typer.Typer(
     help="Growth of a walled cell under turgor: a thin shell of revolution.",
@@ -36,6 +42,11 @@ app = typer.Typer(
 )
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="The scene, a TOML file.")]
+Assignments = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a value; may be repeated."),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 
 
 @app.command()
@@ -45,15 +56,12 @@ def run(
         Path | None,
         typer.Option(metavar="DIR", help="Output folder.", show_default="out/<scene name>"),
     ] = None,
-    assignments: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a value; may be repeated."),
-    ] = None,
+    assignments: Assignments = None,
     error_bars: Annotated[
         bool,
         typer.Option("--error-bars", help="Run it again, refined, to estimate errors of V/V0."),
     ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Run a scene into an output folder.
 
@@ -62,19 +70,17 @@ def run(
     130 interrupted.
     """
     try:
-        changes = dict(parse_assignment(text) for text in assignments or ())
-        scene = Scene.load(scene_file)
-        scene = scene.with_values(changes) if changes else scene
+        scene = _load(scene_file, assignments)
     except SceneError as error:
-        _fail(str(error), _BAD_INPUT)
+        fail(str(error), BAD_INPUT)
     path = Path("out", scene.name) if out is None else out
     try:
-        with _terminated_as_interrupted():
+        with terminated_as_interrupted():
             result = _run(path, scene, error_bars, quiet)
     except KeyboardInterrupt:
-        _fail("interrupted", _INTERRUPTED)
+        fail("interrupted", INTERRUPTED)
     if result.status != "finished":
-        _fail(result.message, _EXIT[result.status])
+        fail(result.message, EXIT[result.status])
 
 
 def _run(path: Path, scene: Scene, error_bars: bool, quiet: bool) -> Result:
@@ -85,14 +91,101 @@ def _run(path: Path, scene: Scene, error_bars: bool, quiet: bool) -> Result:
     try:
         result = run_into(path, scene, screen=screen, began=_BEGAN, with_error_bars=error_bars)
     except OutputError as error:
-        _fail(str(error), _BAD_INPUT)
+        fail(str(error), BAD_INPUT)
     except DolfinxMissing as error:
-        _fail(str(error), _LOST)
+        fail(str(error), BROKEN)
     except RunLost as error:
-        _abandon(str(error))
-    if screen is not None and _rank() == 0:
+        abandon(str(error))
+    comm = launched()
+    if screen is not None and (comm is None or comm.rank == 0):
         screen.summary(result, str(path))
     return result
+
+
+@app.command()
+def sweep(
+    scene_file: SceneFile,
+    variations: Annotated[
+        list[str],
+        typer.Option(
+            "--vary",
+            metavar="TABLE.KEY=V1,V2,...",
+            help="Values of a key, or A:B:N for N of them from A to B; may be repeated.",
+        ),
+    ],
+    assignments: Assignments = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Output folder.", show_default="out/<scene name>-sweep"),
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, help="Processes.", show_default="one for each core"),
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scene with every combination of some values.
+
+    Each case gets an output folder below that of the sweep, which takes in a table, sweep.csv,
+    and a figure of one parameter or two. Started again, it skips the cases that are finished.
+    Under mpirun the ranks share the cases. Exit status: 0 every case has come to an end, 2 bad
+    input, 4 some failed, 130 interrupted.
+    """
+    from .sweep import parse_variation, plan
+
+    try:
+        scene = _load(scene_file, assignments)
+        parameters = [parse_variation(text) for text in variations]
+        cases = plan(scene, parameters)
+    except SceneError as error:
+        fail(str(error), BAD_INPUT)
+    if jobs is not None and launched() is not None:
+        fail("--jobs is for one machine; under mpirun the ranks share the cases", BAD_INPUT)
+    directory = Path("out", f"{scene.name}-sweep") if out is None else out
+    keys = [parameter.key for parameter in parameters]
+    try:
+        with terminated_as_interrupted():
+            rows = _sweep(directory, keys, cases, jobs, quiet)
+    except KeyboardInterrupt:
+        fail("interrupted; the same command goes on from here", INTERRUPTED)
+    if failed := [row for row in rows if not row.answered]:
+        fail(f"{len(failed)} of {len(rows)} cases failed, {failed[0].case} the first", FAILED)
+
+
+def _sweep(
+    directory: Path, keys: list[str], cases: list[Case], jobs: int | None, quiet: bool
+) -> list[CaseRow]:
+    from . import sweep_plots
+    from ._sweep_screen import SweepBar, SweepLines, tally
+    from ._terminal import print_line
+    from .job import DolfinxMissing
+    from .output import OutputError, writing
+    from .sweep_run import run_sweep
+    from .sweep_table import TABLE
+
+    # What numpy would start beside, the processes would fight for.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    comm = launched()
+    screen = (SweepBar if on_terminal() else SweepLines)(keys)
+    jobs = jobs or len(os.sched_getaffinity(0))
+    try:
+        if quiet:
+            rows = run_sweep(directory, keys, cases, jobs=jobs, comm=comm)
+        else:
+            with screen:
+                rows = run_sweep(directory, keys, cases, jobs=jobs, comm=comm, screen=screen)
+        if comm is not None and comm.rank > 0:
+            return []
+        with writing(directory):
+            drawn = sweep_plots.draw(directory)
+    except OutputError as error:
+        fail(str(error), BAD_INPUT)
+    except DolfinxMissing as error:
+        fail(str(error), BROKEN)
+    if not quiet:
+        figure = f", {drawn[0]}" if drawn else ""
+        print_line(f"{tally(rows)}; see {directory / TABLE}{figure}")
+    return rows
 
 
 @app.command()
@@ -101,7 +194,7 @@ def check(scene_file: SceneFile) -> None:
     try:
         Scene.load(scene_file)
     except SceneError as error:
-        _fail(str(error), _BAD_INPUT)
+        fail(str(error), BAD_INPUT)
     typer.echo(f"{scene_file}: a valid scene")
 
 
@@ -109,80 +202,45 @@ def check(scene_file: SceneFile) -> None:
 def plot(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Output folder of a run.")],
 ) -> None:
-    """Draw the figures of a finished or a running output folder."""
-    from . import plots
-    from .output import (
-        OutputError,
-        load_error_bars,
-        load_history,
-        load_profiles,
-        load_scene,
-        load_status,
-        writing,
-    )
+    """Draw the figures of a finished or a running output folder, or of a sweep's."""
+    from .output import OutputError, writing
 
     try:
-        scene, status = load_scene(directory), load_status(directory)
-        profiles = load_profiles(directory)  # before the history, which is ahead of them
-        history, bars = load_history(directory), load_error_bars(directory)
         with writing(directory):
-            drawn = plots.draw(directory, scene, history, profiles, status, bars)
+            drawn = _draw(directory)
     except (SceneError, OutputError) as error:
-        _fail(str(error), _BAD_INPUT)
+        fail(str(error), BAD_INPUT)
     if not drawn:
-        _fail(f"{directory}: nothing to draw yet; wait for the first saved time", _BAD_INPUT)
+        fail(f"{directory}: nothing to draw yet; wait for the first saved time", BAD_INPUT)
     for path in drawn:
         typer.echo(path)
+
+
+def _draw(directory: Path) -> list[Path]:
+    from . import plots, sweep_plots
+    from .output import load_error_bars, load_history, load_profiles, load_scene, load_status
+    from .sweep_table import TABLE
+
+    if (directory / TABLE).exists():
+        return sweep_plots.draw(directory)
+    scene, status = load_scene(directory), load_status(directory)
+    profiles = load_profiles(directory)  # before the history, which is ahead of them
+    history, bars = load_history(directory), load_error_bars(directory)
+    return plots.draw(directory, scene, history, profiles, status, bars)
+
+
+def _load(scene_file: Path, assignments: list[str] | None) -> Scene:
+    """Scene of a file with the values of `--set`."""
+    changes = dict(parse_assignment(text) for text in assignments or ())
+    scene = Scene.load(scene_file)
+    return scene.with_values(changes) if changes else scene
 
 
 def _screen(scene: Scene) -> Lines | ProgressLine:
     """Give what suits the place that the output goes to."""
     from ._terminal import Lines, ProgressLine
 
-    # Open MPI gives every rank a pseudo-terminal, wherever its output goes.
-    fancy = sys.stdout.isatty() and "OMPI_COMM_WORLD_SIZE" not in os.environ
-    fancy = fancy and os.environ.get("TERM") != "dumb"
-    return ProgressLine(scene) if fancy else Lines()
-
-
-def _rank() -> int:
-    try:
-        from mpi4py import MPI
-    except ImportError:
-        return 0
-    return int(MPI.COMM_WORLD.rank)
-
-
-def _fail(message: str, status: int) -> NoReturn:
-    """Say in a line of rank 0 what ends the command, and end it."""
-    if _rank() == 0:
-        kind = "" if status in (_EXIT["no-equilibrium"], _INTERRUPTED) else "error: "
-        typer.echo(kind + message, err=True)
-    raise typer.Exit(status)
-
-
-def _abandon(message: str) -> NoReturn:
-    """End all ranks from rank 0, which alone knows that its output folder is lost."""
-    from mpi4py import MPI
-
-    if MPI.COMM_WORLD.size > 1:
-        typer.echo(f"error: {message}", err=True)
-        MPI.COMM_WORLD.Abort(_EXIT["failed"])
-    _fail(message, _EXIT["failed"])
-
-
-@contextmanager
-def _terminated_as_interrupted() -> Iterator[None]:
-    """Treat SIGTERM, which batch systems send, as Ctrl-C."""
-
-    def interrupt(*_: object) -> NoReturn:
-        raise KeyboardInterrupt
-
-    previous = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, previous)
+    return ProgressLine(scene) if on_terminal() else Lines()
 
 
 def main() -> None:

@@ -54,6 +54,7 @@ def run_into(
     comm: Any = None,
     began: float | None = None,
     with_error_bars: bool = False,
+    figures: bool = True,
 ) -> Result:
     """Run a scene; leave its history, profiles, figures and summary in a folder.
 
@@ -73,6 +74,8 @@ def run_into(
         `time.perf_counter()` when the command began, for the total time.
     with_error_bars
         Whether the scene is run again, refined, for error bars of the volume.
+    figures
+        Whether the figures are drawn, which takes as long as a short run.
 
     Returns
     -------
@@ -118,7 +121,7 @@ def run_into(
             except KeyboardInterrupt:
                 result = _UNSTARTED
             if folder is not None:
-                _complete(folder, scene, result, import_s, began)
+                _complete(folder, scene, result, import_s, began, figures)
             if with_error_bars and result.status != "interrupted":
                 from .error_bars import error_bars
 
@@ -126,7 +129,7 @@ def run_into(
                 bars = error_bars(scene, result, announce=announce, comm=comm)
                 result = replace(result, error_bars=bars)
                 if folder is not None:
-                    _complete(folder, scene, result, import_s, began)
+                    _complete(folder, scene, result, import_s, began, figures)
         except OutputError as error:
             raise RunLost(str(error)) from None
         except CompilerError as error:
@@ -149,16 +152,22 @@ def _open(path: Path, scene: Scene, comm: Any) -> OutputFolder | None:
 
 
 def _complete(
-    folder: OutputFolder, scene: Scene, result: Result, import_s: float, began: float
+    folder: OutputFolder, scene: Scene, result: Result, import_s: float, began: float, figures: bool
 ) -> None:
     """Draw the figures and write the summary."""
-    from . import plots
-
     drawing = perf_counter()
-    with writing(folder.path):
-        plots.draw(
-            folder.path, scene, result.history, result.profiles, result.status, result.error_bars
-        )
+    if figures:
+        from . import plots
+
+        with writing(folder.path):
+            plots.draw(
+                folder.path,
+                scene,
+                result.history,
+                result.profiles,
+                result.status,
+                result.error_bars,
+            )
     now = perf_counter()
     output_s = result.timings.output_s + now - drawing
     timings = replace(result.timings, import_s=import_s, output_s=output_s, total_s=now - began)

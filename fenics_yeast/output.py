@@ -11,7 +11,7 @@ from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
-from typing import Self
+from typing import NamedTuple, Self
 from zipfile import BadZipFile
 
 import numpy as np
@@ -43,6 +43,16 @@ def writing(directory: Path) -> Iterator[None]:
     else:
         return
     raise OutputError(f"{directory}: {problem}; choose another output folder")
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Write a file that takes the place of an earlier one only once it is complete."""
+    temporary = path.with_name(path.name + ".part")
+    try:
+        temporary.write_bytes(content)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 class OutputFolder:
@@ -178,13 +188,7 @@ class OutputFolder:
 
     def _replace(self, name: str, content: bytes) -> None:
         """Write a file that takes the place of an earlier one only once it is complete."""
-        path = self.path / name
-        temporary = path.with_name(path.name + ".part")
-        try:
-            temporary.write_bytes(content)
-            os.replace(temporary, path)
-        finally:
-            temporary.unlink(missing_ok=True)
+        replace_file(self.path / name, content)
 
 
 def _line(row: Row) -> str:
@@ -295,7 +299,27 @@ def load_profiles(directory: Path) -> Profiles:
         raise OutputError(f"{path}: is damaged; run the scene again") from None
 
 
+class Ending(NamedTuple):
+    """How a run ended: status, that in a sentence, and the seconds that all of it took."""
+
+    status: Status
+    message: str
+    total_s: float
+
+
 def load_status(directory: Path) -> Status | None:
+    """How a run ended, in a word; None while it is going.
+
+    Raises
+    ------
+    OutputError
+        If that cannot be read.
+    """
+    ending = load_ending(directory)
+    return None if ending is None else ending.status
+
+
+def load_ending(directory: Path) -> Ending | None:
     """How a run ended; None while it is going.
 
     Raises
@@ -305,12 +329,13 @@ def load_status(directory: Path) -> Status | None:
     """
     path = directory / _RUN
     try:
-        status: Status = json.loads(path.read_bytes())["status"]
+        summary = json.loads(path.read_bytes())
+        seconds = float(summary["timings"]["total_s"])
+        return Ending(summary["status"], summary["message"], seconds)
     except FileNotFoundError:
         return None
     except (OSError, ValueError, KeyError, TypeError):
         raise OutputError(f"{path}: is damaged; run the scene again") from None
-    return status
 
 
 def load_error_bars(directory: Path) -> ErrorBars | None:

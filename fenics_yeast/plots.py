@@ -127,7 +127,7 @@ def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> No
     panels = columns * (_PANEL + _GAP)
     width = _LEFT + panels + (0.8 if largest > 0 else 0.05)
     height = rows * row_height
-    with _figure(path, width, height) as figure:
+    with figure_of(path, width, height) as figure:
 
         def place(x: float, y: float, w: float, h: float) -> Axes:
             return figure.add_axes((x / width, y / height, w / width, h / height))
@@ -173,39 +173,46 @@ def volume(
             _draw_band(axes, history, error_bars)
 
 
-def volumes(curves: Sequence[Curve], path: Path, title: str = "") -> None:
-    """Draw V/V0 of several runs against time: the paper's Figures 5 and 6."""
+def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str = "") -> None:
+    """Draw V/V0 of several runs against time: the paper's Figures 5 and 6.
+
+    Parameters
+    ----------
+    curves
+        The runs, in the order of the legend.
+    path
+        PNG, PDF or SVG file; its folder is made where missing.
+    title, heading
+        Of the figure, and of its legend.
+    """
+    colours = _colours(len(curves))
     with _volume_axes(path) as axes:
-        for i, curve in enumerate(curves):
-            _draw_volume(axes, curve, COLOURS[i % len(COLOURS)])
+        for curve, colour in zip(curves, colours, strict=True):
+            _draw_volume(axes, curve, colour, note=len(curves) <= len(COLOURS))
         axes.set_title(title)
-        axes.legend(loc="upper left")
+        _explain(axes, curves, heading, "upper left")
+
+
+def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str = "") -> None:
+    """Draw the pressure along several static paths against V/V0; see `volumes`."""
+    with _pressure_axes(path) as axes:
+        for curve, colour in zip(curves, _colours(len(curves)), strict=True):
+            _draw_pressure(axes, curve.history, colour, curve.label)
+        axes.set_title(title)
+        _explain(axes, curves, heading, "lower right")
 
 
 def pressure(history: History, scene: Scene, path: Path) -> None:
     """Draw the pressure along a static path against V/V0; what is unstable is dashed."""
-    with _figure(path, 4.8, 3.4) as figure:
-        axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
-        V, p, stable = history.volume_ratio, history.pressure_MPa, history.stable.astype(bool)
-        ends = stable[1:] & stable[:-1]  # of each piece
-        for style, pieces in (("-", ends), ("--", ~ends)):
-            gaps = np.where(pieces, 0.0, np.nan)
-            # A piece and the one after it share a point, which either of them shows.
-            shown = np.fmin(np.append(gaps, np.nan), np.append(np.nan, gaps))
-            label = "stable" if style == "-" else "unstable at given pressure"
-            if pieces.any():
-                axes.plot(V, p + shown, style, color=COLOURS[0], label=label)
-        if not ends.all():
+    with _pressure_axes(path) as axes:
+        _draw_pressure(axes, history, COLOURS[0], "stable", "unstable at given pressure")
+        if not history.stable.all():
             axes.legend(loc="lower right")
-        axes.set_xlabel("volume V/V₀")
-        axes.set_ylabel("pressure (MPa)")
         axes.set_title(scene.title)
-        axes.grid(color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
 
 
 @contextmanager
-def _figure(path: Path, width: float, height: float) -> Iterator[Figure]:
+def figure_of(path: Path, width: float, height: float) -> Iterator[Figure]:
     """Figure of the given size in inches, saved at the end; no window, no state left behind."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -228,7 +235,7 @@ def _selection(profiles: Profiles) -> list[Profile]:
 @contextmanager
 def _volume_axes(path: Path) -> Iterator[Axes]:
     """Axes of V/V0 against time, the only ones of a figure."""
-    with _figure(path, 4.8, 3.4) as figure:
+    with figure_of(path, 4.8, 3.4) as figure:
         axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
         yield axes
         axes.set_xlabel("time (min)")
@@ -236,6 +243,52 @@ def _volume_axes(path: Path) -> Iterator[Axes]:
         axes.set_xlim(left=0)
         axes.grid(color="0.9", linewidth=0.6)
         axes.set_axisbelow(True)
+
+
+@contextmanager
+def _pressure_axes(path: Path) -> Iterator[Axes]:
+    """Axes of pressure against V/V0, the only ones of a figure."""
+    with figure_of(path, 4.8, 3.4) as figure:
+        axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
+        yield axes
+        axes.set_xlabel("volume V/V₀")
+        axes.set_ylabel("pressure (MPa)")
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+
+
+def _draw_pressure(
+    axes: Axes, history: History, colour: Any, label: str, unstable: str = "_nolegend_"
+) -> None:
+    """Draw a path in pieces, those that are unstable dashed."""
+    V, p, stable = history.volume_ratio, history.pressure_MPa, history.stable.astype(bool)
+    ends = stable[1:] & stable[:-1]  # of each piece
+    for style, name, pieces in (("-", label, ends), ("--", unstable, ~ends)):
+        gaps = np.where(pieces, 0.0, np.nan)
+        # A piece and the one after it share a point, which either of them shows.
+        shown = np.fmin(np.append(gaps, np.nan), np.append(np.nan, gaps))
+        if pieces.any():
+            axes.plot(V, p + shown, style, color=colour, label=name)
+
+
+def _colours(count: int) -> list[Any]:
+    """A colour for each of several curves: told apart by hue, or in order where they are many."""
+    if count <= len(COLOURS):
+        return list(COLOURS[:count])
+    from matplotlib import colormaps
+
+    return list(colormaps["viridis"](np.linspace(0.92, 0.0, count)))
+
+
+def _explain(axes: Axes, curves: Sequence[Curve], heading: str, place: str) -> None:
+    """Set a legend; of many curves it names some, evenly spread."""
+    handles, labels = axes.get_legend_handles_labels()
+    named = np.linspace(0, len(handles) - 1, min(len(handles), len(COLOURS))).round().astype(int)
+    handles, labels = [handles[i] for i in named], [labels[i] for i in named]
+    if len(curves) > len(COLOURS) and any(curve.status == "no-equilibrium" for curve in curves):
+        handles += axes.plot([], [], "x", color="0.4", ms=5, mew=1.8)
+        labels.append("equilibrium lost")
+    axes.legend(handles, labels, title=heading or None, loc=place, alignment="left")
 
 
 def _caption(profile: Profile, history: History, scene: Scene) -> str:
@@ -305,12 +358,12 @@ def _smooth(history: History) -> tuple[Array, Array]:
     first = held[0] if len(held) else len(time)
     if len(time) - first < 3 or np.any(np.diff(held) != 1):
         return time, ratio
-    slopes = np.gradient(ratio[first:], time[first:], edge_order=2)
-    steps = np.diff(time[first:])
-    fine = _hermite(time[first:], steps, np.ones_like(slopes))
-    return np.append(time[:first], fine), np.append(
-        ratio[:first], _hermite(ratio[first:], steps, slopes)
-    )
+    # Against the length of the drawn curve, which stays smooth where the volume runs away.
+    t, V = time[first:], ratio[first:]
+    lengths = np.hypot(np.diff(t) / np.ptp(t), np.diff(V) / (np.ptp(V) or 1.0))
+    s = np.append(0.0, np.cumsum(lengths))
+    t, V = (_hermite(x, lengths, np.gradient(x, s, edge_order=2)) for x in (t, V))
+    return np.append(time[:first], t), np.append(ratio[:first], V)
 
 
 def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
@@ -335,14 +388,15 @@ def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
     )  # fmt: skip
 
 
-def _draw_volume(axes: Axes, curve: Curve, colour: str) -> None:
-    """Draw a curve and mark where its run lost equilibrium."""
+def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> None:
+    """Draw a curve and mark where its run lost equilibrium; with a note, say when."""
     history = curve.history
     axes.plot(*_smooth(history), color=colour, label=curve.label)
     if curve.status == "no-equilibrium" and len(history):
         time, ratio = history.time_min[-1], history.volume_ratio[-1]
-        axes.plot([time], [ratio], "x", color=colour, ms=7, mew=1.8)
-        axes.annotate(
-            f"equilibrium lost\nat {time:.1f} min", (time, ratio), (-8, -2),
-            textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
-        )  # fmt: skip
+        axes.plot([time], [ratio], "x", color=colour, ms=7 if note else 5, mew=1.8)
+        if note:
+            axes.annotate(
+                f"equilibrium lost\nat {time:.1f} min", (time, ratio), (-8, -2),
+                textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
+            )  # fmt: skip
