@@ -106,7 +106,8 @@ class Equilibrium:
 
     def destroy(self) -> None:
         """Free the PETSc objects."""
-        for item in (self.snes, self._equations, self._x, self._f):
+        # The solver too: PETSc keeps what outlives its SNES until a collective clean-up.
+        for item in (self._solver, self.snes, self._equations, self._x, self._f):
             item.destroy()
 
     def solve(self) -> int:

@@ -327,6 +327,31 @@ def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
         time.sleep(0.05)
 
 
+def test_many_cases_in_one_process_take_the_memory_of_a_few(bud: Scene) -> None:
+    """A run that leaves its solver behind costs 30 kB each time."""
+    code = """
+import sys
+from mpi4py import MPI
+from fenics_yeast import Scene, simulate
+
+def memory():
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4
+
+bud = Scene.from_toml(sys.argv[1])
+taken = []
+for i in range(120):
+    simulate(bud.with_values({"growth.time": 30 + i, "run.end": 2}), comm=MPI.COMM_SELF)
+    taken.append(memory())
+print(taken[-1] - taken[59])
+"""
+    text = bud.with_values({"run.save": [2], "run.end": 2}).to_toml()
+    done = subprocess.run(
+        [sys.executable, "-c", code, text], capture_output=True, text=True, check=True
+    )
+    assert int(done.stdout) < 60 * 10
+
+
 # Ranks ----------------------------------------------------------------------------------------
 
 
