@@ -23,10 +23,11 @@ from fenics_yeast.equilibrium import Equilibrium
 from fenics_yeast.evolution import Evolution
 from fenics_yeast.integrators import TABLEAUX
 from fenics_yeast.laws import Law
-from fenics_yeast.meridian import Discretisation, Interval
+from fenics_yeast.meridian import Discretisation
 from fenics_yeast.record import Result, Status
 from fenics_yeast.shell import Shell
 from fenics_yeast.simulation import build_shell
+from fenics_yeast.zones import Interval
 
 EDGE = R * np.pi * (1 - 24 / 180)  # arc length at the edge of the growing zone, µm
 
@@ -154,7 +155,8 @@ def uneven_mesh() -> Found:
     rest = np.tile([1000.0, 1.0], 15)
     nodes = np.concatenate([[0], EDGE * np.cumsum(rest) / rest.sum()])
     top = EDGE + (np.pi * R - EDGE) * np.cumsum(zone) / zone.sum()
-    cells = Discretisation(Sphere(R), np.concatenate([nodes, top]), Interval(EDGE, np.pi * R))
+    zone = (Interval(EDGE, np.pi * R),)
+    cells = Discretisation(Sphere(R), np.concatenate([nodes, top]), (zone,))
     from mpi4py import MPI
 
     law = Law(growth_laws.stress_driven, {"sigma_trs": 1.0, "t_grw": 45.0})

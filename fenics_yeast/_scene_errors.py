@@ -51,7 +51,8 @@ def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str
     context = problem.get("ctx", {})
     path = tuple(part for part in problem["loc"] if not str(part).startswith(BRANCH))
     if context.get("key"):
-        path += tuple(context["key"].split("."))
+        keys = context["key"].split(".")
+        path += tuple(int(key) if key.isdigit() else key for key in keys)
     if problem["type"] in _NO_KIND and isinstance(_look_up(data, path), Mapping):
         path += (_kind_key(_field_at(model, data, path)[0]),)
     value = _look_up(data, path)
@@ -99,6 +100,20 @@ def _model_of(annotation: Any, value: object = None) -> type[BaseModel] | None:
     return models[0] if models else None
 
 
+def _entry(annotation: Any) -> tuple[Any, list[Any]]:
+    """Annotation and metadata of the entries of a list, or of the list among several kinds."""
+    if get_origin(annotation) in _SEVERAL:
+        found = map(_entry, get_args(annotation))
+        return next((entry for entry in found if entry[0] is not None), (None, []))
+    if get_origin(annotation) is not tuple:
+        return None, []
+    entry = get_args(annotation)[0]
+    if get_origin(entry) is not Annotated:
+        return entry, []
+    kind, *metadata = get_args(entry)
+    return kind, metadata
+
+
 def _field_at(model: type[BaseModel], data: object, path: _Path) -> tuple[Any, list[Any]]:
     """Annotation and metadata of the field at `path` below `model`."""
     annotation: Any = model
@@ -106,7 +121,7 @@ def _field_at(model: type[BaseModel], data: object, path: _Path) -> tuple[Any, l
     value = data
     for part in path:
         if isinstance(part, int):  # an entry of a list
-            annotation, *metadata = get_args(get_args(annotation)[0])
+            annotation, metadata = _entry(annotation)
         else:
             models = _models_of(annotation)
             key = _kind_key(annotation) if len(models) > 1 else None

@@ -161,6 +161,7 @@ class Evolution:
         if growth is None or accepted is None:
             raise ValueError("an elastic wall does not change in time")
         self._before = list(self._recent)
+        growth.during(self.state.time, self.state.time)  # no milestone is passed
         start = self.shell.volume()
         A, c = LIMIT_POINT.A, LIMIT_POINT.c
         durations: list[float] = []
@@ -192,8 +193,10 @@ class Evolution:
     @property
     def resting(self) -> bool:
         """Whether nothing grows in the accepted state."""
-        growth = self.shell.growth
-        grows = growth is not None and bool(growth.rate().any())
+        growth, grows = self.shell.growth, False
+        if growth is not None:
+            growth.during(self.state.time, self.state.time)
+            grows = bool(growth.rate().any())
         return not self.shell.comm.allreduce(grows, op=dx.MPI.LOR)
 
     def reject(self) -> None:
@@ -204,7 +207,8 @@ class Evolution:
         self._recent.extend(self._before)
 
     def forget(self) -> None:
-        """Do not extrapolate over what came before: the load has a kink here."""
+        """Do not extrapolate over what came before: load or growth have a kink here."""
+        self._rate = None
         self._recent.clear()
         self._recent.append((self.state.time, self.state.wall.w))
 
@@ -212,6 +216,7 @@ class Evolution:
         growth, start = self.shell.growth, self.state.time
         if growth is None or self.state.wall.eps_g is None:
             return Step(self._solve(end), None)
+        growth.during(start, end)
         dt, A, c = end - start, self._tableau.A, self._tableau.c
         rates: list[Array] = []
         iterations = 0
@@ -247,6 +252,7 @@ class Evolution:
         growth = self.shell.growth
         if growth is None or not self._explicit:
             return np.inf
+        growth.during(self.state.time, self.state.time)
         accepted, rate = growth.get(), growth.rate()
         pairs = (*accepted.shape[:-1], -1, 2)
         v = rate if self._stiffest is None else self._stiffest

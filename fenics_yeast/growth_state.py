@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from . import _dolfinx as dx
 from . import growth, kinematics, wall
+from .weights import WeightField
 
 Array = NDArray[np.float64]
 
@@ -41,6 +42,8 @@ class GrowthState:
         Total logarithmic strains at each thickness point, UFL vectors.
     energy, growth_rate
         Strain energy and rate of growth.
+    weights
+        Weights that the rate holds.
 
     Attributes
     ----------
@@ -59,12 +62,13 @@ class GrowthState:
         eps: Sequence[Any],
         energy: wall.StrainEnergy,
         growth_rate: growth.GrowthRate,
+        weights: Sequence[WeightField] = (),
     ) -> None:
         space = dx.quadrature_space(mesh, 2 * len(eps), degree)
         self.eps_g, self.base = dx.fem.Function(space), dx.fem.Function(space)
         self._trial, self._base = self.eps_g.x.array, self.base.x.array
         self.stage = dx.fem.Constant(mesh, np.float64(0))
-        self._mesh, self._cells = mesh, cells
+        self._mesh, self._cells, self._weights = mesh, cells, weights
         self._dofs = dx.dof_array(space)[cells]
 
         self.points: list[growth.WallPoint] = []
@@ -106,12 +110,19 @@ class GrowthState:
         """Set the growth strains from which the implicit part of a stage starts."""
         self._base[self._dofs] = values
 
+    def during(self, start: float, end: float) -> None:
+        """Let growth be as between two times in min; at one time, as right after it."""
+        for weight in self._weights:
+            weight.during(start, end)
+
     def rate(self) -> Array:
         """Rate of the growth strains in the trial state, 1/min, in the layout of `get`."""
+        self._follow()
         return self._evaluate(self._rate)
 
     def update(self) -> bool:
         """Solve the stage equation at every point for the trial strains; False if it fails."""
+        self._follow()
         current = self.get()
         for iteration in range(_MOST_ITERATIONS):
             following = self._evaluate(self._newton_step)
@@ -127,6 +138,11 @@ class GrowthState:
             self.set(following)
             current = following
         return False
+
+    def _follow(self) -> None:
+        """Bring weights that follow the wall up to the trial state."""
+        for weight in self._weights:
+            weight.update()
 
     def _evaluate(self, expression: Any) -> Array:
         return dx.evaluate(expression, self._mesh, self._cells)

@@ -99,6 +99,8 @@ class March:
             self._evolution.accept(end)
             if end in kinks:
                 self._evolution.forget()
+            if end in self._switches:
+                steps.begin_again()
             journal.accept(end, end - start, step.iterations, self._stable)
             if end in run.save:
                 journal.save()
@@ -142,19 +144,24 @@ class March:
     # --- steps ----------------------------------------------------------------------------
 
     def _kinks(self, end: float) -> list[float]:
-        """Times in min at which the pressure's slope changes."""
+        """Times in min at which the pressure's slope changes, or growth begins or ends."""
         turgor = self._scene.turgor
         times = turgor.pressure.time if isinstance(turgor.pressure, PressureTable) else ()
-        return [min(turgor.ramp, end), *(t for t in times if t < end)]
+        return [min(turgor.ramp, end), *(t for t in (*times, *self._switches) if 0 < t < end)]
+
+    @property
+    def _switches(self) -> list[float]:
+        """Times in min at which growth of a zone begins or ends."""
+        return [time for zone in self._scene.growing for time in zone.span]
 
     def _time_steps(self, milestones: list[float]) -> TimeSteps:
         """Fixed steps, or steps that follow the estimated error of growth."""
-        numerics, growing = self._scene.numerics, self._scene.growth
+        numerics, growth_time = self._scene.numerics, self._scene.growth_time
         if numerics.step is not None:
             return TimeSteps(milestones, numerics.step, None)
-        if growing is None:
+        if growth_time is None:
             return TimeSteps(milestones, max(milestones) / 100, None)
-        return TimeSteps(milestones, _FIRST_STEP * growing.time, self._tableau.estimate_order)
+        return TimeSteps(milestones, _FIRST_STEP * growth_time, self._tableau.estimate_order)
 
     def _propose(self, steps: TimeSteps) -> float | None:
         """End of the next step; where nothing will change, all the way to the next milestone."""
@@ -198,10 +205,10 @@ class March:
         An error of the volume acts like a shift in time by it over `V'`, and shifts add up over
         the run: it is held against what the cell grows in the characteristic time.
         """
-        growing, journal = self._scene.growth, self._journal
-        if growing is None:
+        growth_time, journal = self._scene.growth_time, self._journal
+        if growth_time is None:
             return 0.0
-        grown = abs(self._shell.volume() - journal.rows[-1].volume_um3) * growing.time / dt
+        grown = abs(self._shell.volume() - journal.rows[-1].volume_um3) * growth_time / dt
         wanted = self._scene.numerics.tolerance * max(grown, _SLOW * journal.volume_0)
         return abs(error) / (self._tableau.caution * wanted)
 
@@ -219,9 +226,9 @@ class March:
         """Find out whether the wall loses its equilibrium on the way to a time, and tell."""
         if not self._changing(end):
             return worn_out(self._journal.rows[-1]) if self._meets_limit(end) else None
-        growing = self._scene.growth
+        growth_time = self._scene.growth_time
         start, pressure = self._time, self._evolution.pressure
-        if growing is not None and end - start > _GIVEN * growing.time:
+        if growth_time is not None and end - start > _GIVEN * growth_time:
             return None
         try:
             limit = limit_point(self._shell, pressure(end), self._tolerance)

@@ -22,22 +22,13 @@ from ._cell import (
     SpheroidCell,
 )
 from .curves import Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
+from .zones import Interval, Intervals, apart, edges, intervals, merged
 
 if TYPE_CHECKING:
-    from ._cell import AnyCell, Pole
+    from ._cell import AnyCell
     from .scene import Scene
 
 Array = NDArray[np.float64]
-
-_LOOKED_AT = 20_001  # points of a curve at which the polar angle is looked at
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A part of the meridian, in µm of arc length."""
-
-    start: float
-    end: float
 
 
 @dataclass(frozen=True)
@@ -50,16 +41,25 @@ class Discretisation:
         The reference meridian.
     nodes
         Arc length of the cells' ends in µm, increasing, shape ``(n + 1,)``.
-    zone
-        The growing part, its ends among the nodes; None where nothing grows.
+    zones
+        Parts of the meridian that each growing zone of the scene covers, their ends among the
+        nodes; empty where nothing grows.
     ends
         What the lower and the upper end are: a pole, a free edge, or how an edge is held.
+    wall_zones
+        Parts that each zone of the wall covers, as `zones`.
     """
 
     curve: Curve
     nodes: Array
-    zone: Interval | None
+    zones: tuple[Intervals, ...] = ()
     ends: tuple[End, End] = ("pole", "pole")
+    wall_zones: tuple[Intervals, ...] = ()
+
+    @property
+    def growing(self) -> Intervals:
+        """What grows, one interval for each connected piece."""
+        return merged(part for parts in self.zones for part in parts)
 
 
 def reference_curve(cell: AnyCell) -> Curve:
@@ -86,56 +86,29 @@ def reference_curve(cell: AnyCell) -> Curve:
 
 
 def discretise(scene: Scene) -> Discretisation:
-    """Meridian, cells and growing zone of a scene."""
-    curve = reference_curve(scene.cell)
-    zone = _zone(scene, curve)
-    inner = [] if zone is None else [s for s in (zone.start, zone.end) if 0 < s < curve.length]
-    inner = sorted({*inner, *curve.joints})
-    ends = scene.cell.ends
-    edges = [s for s, end in zip((0.0, curve.length), ends, strict=True) if end != "pole"]
+    """Meridian, cells and zones of a scene."""
+    curve, ends = reference_curve(scene.cell), scene.cell.ends
+    growing = [intervals(growth.zone, curve) for growth in scene.growing]
+    grows = merged(part for parts in growing for part in parts)
+    inner = apart([*edges([part for parts in growing for part in parts], curve), *curve.joints])
+    outer = [s for s, end in zip((0.0, curve.length), ends, strict=True) if end != "pole"]
     layer = float(np.sqrt(scene.cell.radius * scene.wall.thickness))
     graded = scene.numerics.grading == "graded"
-    density = _graded(zone, [*inner, *edges], layer) if graded else np.ones_like
+    density = _graded(grows, [*inner, *outer], layer) if graded else np.ones_like
     nodes = place_nodes(curve.length, inner, scene.numerics.elements, density)
-    if scene.numerics.geometry == "curved":
-        return Discretisation(curve, nodes, zone, ends)
-    polygon = Polygon.inscribed(curve, nodes)
-    if zone is not None:
-        start, end = (polygon.S[np.argmin(abs(nodes - s))] for s in (zone.start, zone.end))
-        zone = Interval(float(start), float(end))
-    return Discretisation(polygon, polygon.S, zone, ends)
+    cut, places = curve, nodes
+    if scene.numerics.geometry == "conical":
+        cut = Polygon.inscribed(curve, nodes)
+        places = cut.S
+
+    def at_nodes(parts: Intervals) -> Intervals:
+        stops = (places[[abs(nodes - s).argmin() for s in (p.start, p.end)]] for p in parts)
+        return tuple(Interval(float(start), float(end)) for start, end in stops)
+
+    return Discretisation(cut, places, tuple(map(at_nodes, growing)), ends)
 
 
-def _zone(scene: Scene, curve: Curve) -> Interval | None:
-    if scene.growth is None:
-        return None
-    zone = scene.growth.zone
-    extent = polar_extent(curve, zone.pole, float(np.deg2rad(zone.half_angle)))
-    return Interval(0.0, extent) if zone.pole == "bottom" else Interval(extent, curve.length)
-
-
-def polar_extent(curve: Curve, pole: Pole, half_angle: float) -> float:
-    """Arc length in µm at which a polar cap ends.
-
-    The angle in radians is seen from the middle of the axis, between the poles; for a part of a
-    sphere, from its centre.
-    """
-    if isinstance(curve, Sphere | Cap):
-        extent = min(half_angle * curve.R0, curve.length)
-        return extent if pole == "bottom" else curve.length - extent
-    S = np.linspace(0, curve.length, _LOOKED_AT)
-    Z = curve.height(S)
-    angle = np.arctan2(curve.radius(S), (Z[-1] + Z[0]) / 2 - Z)  # from below
-    if pole == "top":
-        angle, S = np.pi - angle[::-1], S[::-1]
-    first = int(np.argmax(angle >= half_angle - 1e-12)) or len(S) - 1
-    part = (half_angle - angle[first - 1]) / (angle[first] - angle[first - 1])
-    return float(S[first - 1] + min(part, 1.0) * (S[first] - S[first - 1]))
-
-
-def _graded(
-    zone: Interval | None, edges: Sequence[float], layer: float
-) -> Callable[[Array], Array]:
+def _graded(growing: Intervals, edges: Sequence[float], layer: float) -> Callable[[Array], Array]:
     """Density of cells: more of them where the wall grows and in the boundary layers.
 
     The numbers are the best of those tried on three growing buds.
@@ -143,8 +116,8 @@ def _graded(
 
     def density(S: Array) -> Array:
         weight = np.ones_like(S)
-        if zone is not None:
-            weight += 12 * ((zone.start <= S) & (zone.end >= S))
+        for part in growing:
+            weight += 12 * part.holds(S)
         for edge in edges:
             weight += 40 / (1 + ((S - edge) / (0.35 * layer)) ** 2)
         return weight

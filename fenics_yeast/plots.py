@@ -305,10 +305,9 @@ def _area_strain(profile: Profile) -> Array:
 def _in_zone(profile: Profile, scene: Scene) -> NDArray[np.bool_]:
     """Which of the pieces between two nodes belong to the growing zone."""
     S, pieces = profile.S, np.arange(len(profile.S) - 1)
-    if scene.growth is None:
-        return np.zeros(len(pieces), dtype=bool)
-    zone, middle = discretise(scene).zone, (S[1:] + S[:-1]) / 2
-    return (zone.start < middle) & (middle < zone.end) if zone else np.zeros(len(pieces), bool)
+    middle = (S[1:] + S[:-1]) / 2
+    parts = () if scene.growth is None else discretise(scene).growing
+    return np.any([np.zeros(len(pieces), bool), *(part.holds(middle) for part in parts)], axis=0)
 
 
 def _draw_wall(

@@ -13,13 +13,14 @@ from . import kinematics, wall
 from .growth import WallPoint
 from .record import Profile
 from .shell import Shell
+from .zones import edges
 
 Array = NDArray[np.float64]
 
 
 class Sizes(NamedTuple):
-    """Height of the top pole above the bottom pole, largest radius of the growing zone, radius at
-    its edge, in µm, and the largest growth strain; 0 for what the wall has not.
+    """Height of the top pole above the bottom pole, largest radius of the growing zones, largest
+    radius at their edges, in µm, and the largest growth strain; 0 for what the wall has not.
     """
 
     pole_height: float
@@ -33,17 +34,17 @@ class Probe:
 
     def __init__(self, shell: Shell) -> None:
         self._shell = shell
-        curve, zone = shell.discretisation.curve, shell.discretisation.zone
+        curve, growing = shell.discretisation.curve, shell.discretisation.growing
         self._S, self._dofs = dx.node_dofs(shell.space)
         self._R, self._Z = curve.radius(self._S), curve.height(self._S)
         self._Phi = curve.angle(self._S)
         near = 1e-9 * curve.length
         top = np.abs(self._S - curve.length) < near
         edge = bud = np.zeros(len(self._S), dtype=bool)
-        if zone is not None:
-            bud = (zone.start - near < self._S) & (self._S < zone.end + near)
-            ends = [s for s in (zone.start, zone.end) if near < s < curve.length - near]
-            edge = np.any([np.abs(self._S - s) < near for s in ends], axis=0) & bud
+        for zone in growing:
+            bud = bud | (zone.start - near < self._S) & (self._S < zone.end + near)
+        for s in edges(growing, curve):
+            edge = edge | (np.abs(self._S - s) < near)
         # Of each quantity: reference values at the nodes that count, and their displacements.
         self._watched = [
             (self._Z[top] - curve.height(np.zeros(1)), self._dofs[top, 1]),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
 from typing import Any, Self
@@ -17,7 +17,7 @@ from typing import Any, Self
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from fenics_yeast._cell import AnyCell, Cell
-from fenics_yeast._growth import Growth, Zone
+from fenics_yeast._growth import Growth, OneOrMore, Zone
 from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from fenics_yeast._quantities import refusal
 from fenics_yeast._run import Control, Run, StaticPath, Until
@@ -62,8 +62,8 @@ class Scene(Table):
     cell: AnyCell = Field(description="shape of the unloaded cell")
     wall: Wall = Field(description="the cell wall")
     turgor: Turgor = Field(description="pressure inside the cell")
-    growth: Growth | None = Field(
-        default=None, description="growth of the wall; None: an elastic scene"
+    growth: OneOrMore | None = Field(
+        default=None, description="growth of the wall, of one zone or more; None: an elastic scene"
     )
     run: Run | None = Field(default=None, description="time span; None: a single equilibrium")
     path: StaticPath | None = Field(
@@ -83,9 +83,6 @@ class Scene(Table):
             least = "radius" if radius == self.cell.radius else "least radius"
             allowed = f"a thickness less than the cell's {least} ({radius:.6g} µm) is wanted"
             raise refusal("", allowed=allowed, key="wall.thickness")
-        if self.growth is not None and self.growth.zone.pole not in self.cell.poles:
-            allowed = f"a {self.cell.shape} has no {self.growth.zone.pole} pole"
-            raise refusal("", allowed=allowed, key="growth.zone.pole")
         if self.path is not None:
             for table in ("run", "growth"):
                 if getattr(self, table) is not None:
@@ -97,7 +94,36 @@ class Scene(Table):
         if self.growth is not None and self.run is None:
             allowed = 'growth needs a [run] table with an end time, e.g. end = "90 min"'
             raise refusal("", allowed=allowed, key="run")
+        growing = [growth.zone for growth in self.growing]
+        self._have_places(growing, "growth.{}.zone" if len(growing) > 1 else "growth.zone")
         return self
+
+    def _have_places(self, zones: Sequence[Zone], key: str) -> None:
+        """Refuse zones that are not on the cell or overlap; their key has a place for a number."""
+        for i, zone in enumerate(zones):
+            for pole in ("top", "bottom") if zone.pole == "both" else (zone.pole,):
+                if pole is not None and pole not in self.cell.poles:
+                    allowed = f"a {self.cell.shape} has no {pole} pole"
+                    raise refusal("", allowed=allowed, key=f"{key.format(i)}.pole")
+        if len(zones) == 0 or (len(zones) == 1 and zones[0].pole in ("top", "bottom")):
+            return  # which asks for no reference curve
+        from fenics_yeast.meridian import reference_curve
+        from fenics_yeast.zones import misplaced
+
+        if (found := misplaced(zones, reference_curve(self.cell))) is not None:
+            raise refusal("", allowed=found[1], key=key.format(found[0]))
+
+    @property
+    def growing(self) -> tuple[Growth, ...]:
+        """Growth of each zone; empty for an elastic scene."""
+        if self.growth is None:
+            return ()
+        return self.growth if isinstance(self.growth, tuple) else (self.growth,)
+
+    @property
+    def growth_time(self) -> float | None:
+        """Least characteristic time of growth (min); None for an elastic scene."""
+        return min((growth.time for growth in self.growing), default=None)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.__dict__ == other.__dict__
@@ -166,10 +192,7 @@ class Scene(Table):
         """Write the scene as TOML with every default spelled out, in µm, MPa, min and degrees."""
         import tomli_w
 
-        tables = {key: value for key, value in self.model_dump().items() if value is not None}
-        if self.path is not None:
-            tables["path"]["until"] = self.path.until.model_dump(exclude_none=True)
-        tables["cell"] = self.cell.model_dump(exclude_none=True)
+        tables = self.model_dump(exclude_none=True)
         if self.numerics.step is None:
             tables["numerics"]["step"] = "adaptive"
         return "# Units: µm, MPa, min, degrees.\n" + tomli_w.dumps(tables)
@@ -194,20 +217,42 @@ class Scene(Table):
         tables = self.model_dump(exclude_unset=True)
         for dotted, value in values.items():
             *parents, key = dotted.split(".")
-            table = tables
-            for parent in parents:
-                if table.get(parent) is None:
-                    table[parent] = {}
-                table = table[parent]
-                if not isinstance(table, dict):
-                    change = f"{dotted[:80]} = {value_text(value)}"
-                    raise SceneError(f"{self._source}: {change}: {parent} is not a table")
-            if isinstance(value, Table):
-                value = value.model_dump(exclude_unset=True)
-            table[key] = deepcopy(value)  # not the caller's own: a later key may go into it
+            table: Any = tables
+            try:
+                for parent in parents:
+                    table = _enter(table, parent)
+                if isinstance(value, Table):
+                    value = value.model_dump(exclude_unset=True)
+                # Not the caller's own: a later key may go into it.
+                table[_place(table, key)] = deepcopy(value)
+            except ValueError as error:
+                change = f"{dotted[:80]} = {value_text(value)}"
+                raise SceneError(f"{self._source}: {change}: {error}") from None
         scene = self._from_tables(tables, self._source)
         scene._stem = self._stem
         return scene
+
+
+def _enter(table: Any, key: str) -> Any:
+    """Table or list of tables at a key, which is made where it is missing."""
+    place = _place(table, key)
+    if isinstance(table, dict) and table.get(key) is None:
+        table[key] = {}
+    entry = table[place]
+    if isinstance(entry, list | tuple) and entry and all(isinstance(e, dict) for e in entry):
+        entry = table[place] = list(entry)
+    elif not isinstance(entry, dict):
+        raise ValueError(f"{key} is not a table")
+    return entry
+
+
+def _place(table: Any, key: str) -> Any:
+    """Key of a table, or the number of an entry of a list."""
+    if isinstance(table, dict):
+        return key
+    if not key.isdecimal() or int(key) >= len(table):
+        raise ValueError(f"{key[:40]} is no entry; they are 0 to {len(table) - 1}")
+    return int(key)
 
 
 # Assignments ----------------------------------------------------------------------------------

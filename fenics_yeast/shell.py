@@ -15,9 +15,10 @@ from . import _dolfinx as dx
 from . import growth, kinematics
 from ._cell import End
 from .growth_state import GrowthState
-from .laws import Law
+from .laws import Law, Parameter
 from .meridian import Discretisation
 from .point_field import PointField
+from .weights import WeightField, Weights
 
 Array = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ class Shell:
     Parameters
     ----------
     discretisation
-        Reference meridian, cells and growing zone.
+        Reference meridian, cells and zones.
     comm
         MPI communicator that shares the mesh.
     order
@@ -126,18 +127,25 @@ class Shell:
         self._h = self._constant(thickness)
         penalty = min(shear_penalty, _LARGEST_PENALTY)
         self._compliance = self._constant(1 / (penalty * shear_modulus * thickness))
-        self.energy = energy.on(mesh)
         self._zeta, self._weights = np.polynomial.legendre.leggauss(thickness_points)
         self.xi: Array = self._zeta * thickness / 2
         self._place_points()
         self._constrain_ends()
+        self.energy = energy.on(self._coefficient)
 
         self._describe()
         self.growth = None
         if growth_law is not None:
-            rate = growth_law.on(mesh)
+            self._growth_weights: list[WeightField] = []
+            rate = growth_law.on(self._coefficient)
             self.growth = GrowthState(
-                mesh, self.growing_cells, self.degree, self.eps, self.energy, rate
+                mesh,
+                self.growing_cells,
+                self.degree,
+                self.eps,
+                self.energy,
+                rate,
+                self._growth_weights,
             )
         self._derive()
 
@@ -145,6 +153,20 @@ class Shell:
 
     def _constant(self, value: float) -> Any:
         return dx.fem.Constant(self.mesh, np.float64(value))
+
+    def _coefficient(self, value: Parameter) -> Any:
+        """A parameter of a law as a constant, or as a function given at the quadrature points."""
+        if isinstance(value, Weights):
+            cells = self.growing_cells
+            field = WeightField(self.mesh, cells, self.degree, self.quadrature_S, value)
+            self._growth_weights.append(field)
+            return field.function
+        if not callable(value):
+            return self._constant(value)
+        space = dx.quadrature_space(self.mesh, 1, self.degree)
+        function = dx.fem.Function(space)
+        function.x.array[dx.dof_array(space)] = value(self.quadrature_S)
+        return function[0]
 
     def _place_points(self) -> None:
         """Reference meridian at the quadrature points; which cells grow."""
@@ -157,10 +179,9 @@ class Shell:
         values = np.stack([curve.radius(S), curve.angle(S), curve.curvature(S)], axis=-1)
         self._reference.x.array[dx.dof_array(space)] = values.reshape(len(S), -1)
 
-        zone, centres = self.discretisation.zone, S.mean(axis=1)
         grows = np.zeros(len(S), dtype=bool)
-        if zone is not None:
-            grows = (zone.start < centres) & (centres < zone.end)
+        for part in self.discretisation.growing:
+            grows |= part.holds(S.mean(axis=1))
         self.growing_cells = np.flatnonzero(grows).astype(np.int32)
         tags = dx.cell_tags(self.mesh, np.where(grows, _GROWING, _ELASTIC).astype(np.int32))
         metadata = {"quadrature_degree": self.degree, "quadrature_rule": "default"}

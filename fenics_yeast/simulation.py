@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import _dolfinx as dx
-from . import growth, wall
+from . import scene_laws, wall
 from .equilibrium import Equilibrium
 from .evolution import Evolution
 from .integrators import TABLEAUX
@@ -44,14 +44,11 @@ def build_shell(
         Laws in place of the scene's own. A growth law needs a scene with a growing zone.
     """
     mu, alpha = scene.wall.shear_modulus, scene.wall.ogden_exponent
-    if scene.growth is None:
-        if growth_law is not None:
-            raise ValueError("a growth law needs a scene with a table [growth], for its zone")
-    elif growth_law is None:
-        parameters = {"sigma_trs": scene.growth.threshold, "t_grw": scene.growth.time}
-        growth_law = Law(growth.stress_driven, parameters)
+    if scene.growth is None and growth_law is not None:
+        raise ValueError("a growth law needs a scene with a table [growth], for its zone")
+    cut = discretise(scene)
     return Shell(
-        discretise(scene),
+        cut,
         dx.MPI.COMM_WORLD if comm is None else comm,
         order=scene.numerics.order,
         thickness_points=scene.numerics.thickness_points,
@@ -59,7 +56,7 @@ def build_shell(
         shear_modulus=mu,
         shear_penalty=scene.numerics.shear_penalty,
         energy=energy or Law(wall.ogden, {"mu": mu, "alpha": alpha}),
-        growth_law=growth_law,
+        growth_law=growth_law or scene_laws.growth_law(scene, cut),
     )
 
 

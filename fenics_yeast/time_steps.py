@@ -84,6 +84,10 @@ class TimeSteps:
         self._last_error = error
         return True
 
+    def begin_again(self) -> None:
+        """Forget what the last steps taught: what comes is unlike them."""
+        self._wanted, self._last_error = self._fixed, 1.0
+
     def failed(self) -> None:
         """Cut the step that found no equilibrium."""
         self.failures += 1

@@ -69,9 +69,10 @@ def test_edge_of_the_zone_is_a_node(cell_scene, angle, pole, grading, geometry):
     cut = discretise(scene)
     assert np.all(np.diff(cut.nodes) > 0)
     assert len(cut.nodes) == scene.numerics.elements + 1
-    for end in (cut.zone.start, cut.zone.end):
+    (zone,) = cut.growing
+    for end in (zone.start, zone.end):
         assert np.abs(cut.nodes - end).min() < 1e-12 * cut.curve.length
-    edge = cut.zone.start if pole == "top" else cut.zone.end
+    edge = zone.start if pole == "top" else zone.end
     radius = np.abs(cut.curve.radius(np.array([edge]))[0])
     assert radius == pytest.approx(2.5 * np.sin(np.radians(angle)), abs=1e-9)
 

@@ -5,8 +5,9 @@ import pytest
 from scipy.special import ellipe
 
 from fenics_yeast import Scene, SceneError, simulate
-from fenics_yeast.meridian import discretise, polar_extent, reference_curve
+from fenics_yeast.meridian import discretise, reference_curve
 from fenics_yeast.scene import Cell
+from fenics_yeast.zones import polar_extent
 
 SHAPES = {
     "sphere": {"diameter": 5.0},
