@@ -95,7 +95,7 @@ class Scene(Table):
             allowed = 'growth needs a [run] table with an end time, e.g. end = "90 min"'
             raise refusal("", allowed=allowed, key="run")
         growing = [growth.zone for growth in self.growing]
-        self._have_places(growing, "growth.{}.zone" if len(growing) > 1 else "growth.zone")
+        self._have_places(growing, "growth.{}.zone" if isinstance(self.growth, tuple) else "growth.zone")
         return self
 
     def _have_places(self, zones: Sequence[Zone], key: str) -> None:
