@@ -94,8 +94,8 @@ class Scene(Table):
         if self.growth is not None and self.run is None:
             allowed = 'growth needs a [run] table with an end time, e.g. end = "90 min"'
             raise refusal("", allowed=allowed, key="run")
-        growing = [growth.zone for growth in self.growing]
-        self._have_places(growing, "growth.{}.zone" if isinstance(self.growth, tuple) else "growth.zone")
+        key = "growth.{}.zone" if isinstance(self.growth, tuple) else "growth.zone"
+        self._have_places([growth.zone for growth in self.growing], key)
         return self
 
     def _have_places(self, zones: Sequence[Zone], key: str) -> None:
