@@ -46,6 +46,11 @@ class _Shape(Table):
         return "pole", "pole"
 
     @property
+    def stiff_without_bending(self) -> bool:
+        """Whether a membrane of this shape can bear pressure."""
+        return True
+
+    @property
     def closed(self) -> bool:
         """Whether the mid-surface has no edge."""
         return self.ends == ("pole", "pole")
@@ -244,6 +249,10 @@ class ConeCell(_Shape):
     @property
     def ends(self) -> tuple[End, End]:
         return self.edge, self.inner_edge
+
+    @property
+    def stiff_without_bending(self) -> bool:
+        return self.height > 0
 
 
 class CylinderCell(_Shape):

@@ -53,10 +53,14 @@ __all__ = [
     "evaluate",
     "fem",
     "interval_mesh",
+    "is_mixed",
+    "membrane_space",
+    "motion_part",
     "node_dofs",
     "quadrature_points",
     "quadrature_space",
     "shell_space",
+    "size_of",
     "size_of_second",
 ]
 
@@ -105,6 +109,14 @@ def shell_space(mesh: Any, order: int) -> Any:
     return _space(mesh, ufl.MixedElement([motion, shear]))
 
 
+def membrane_space(mesh: Any, order: int) -> Any:
+    """Space of ``(u_r, u_z)``, continuous."""
+    if basix_ufl is not None:
+        element = basix_ufl.element("Lagrange", mesh.basix_cell(), order, shape=(2,))
+        return _space(mesh, element)
+    return _space(mesh, ufl.VectorElement("Lagrange", mesh.ufl_cell(), order, dim=2))
+
+
 def cell_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
     """Tags of all local cells, ghosts among them."""
     cells = np.arange(len(values), dtype=np.int32)
@@ -117,27 +129,47 @@ def cell_vertices(mesh: Any) -> NDArray[np.int32]:
     return np.asarray(getattr(dofmap, "array", dofmap)).reshape(-1, 2)
 
 
-def end_dofs(space: Any, sub: tuple[int, int], S: float) -> NDArray[np.int32]:
-    """Degrees of freedom of a component at the end of the mesh with the arc length `S`."""
+def end_dofs(space: Any, component: int, S: float) -> NDArray[np.int32]:
+    """Degrees of freedom of a component of the motion at the end of the mesh at `S`."""
     tolerance = 1e-9 * max(abs(S), 1.0)
     vertices = dolfinx.mesh.locate_entities_boundary(
         space.mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
     )
-    return fem.locate_dofs_topological(space.sub(sub[0]).sub(sub[1]), 0, vertices)
+    return fem.locate_dofs_topological(motion_part(space, component), 0, vertices)
+
+
+def motion_part(space: Any, component: int) -> Any:
+    """Sub-space of a component of the motion."""
+    return space.sub(0).sub(component) if is_mixed(space) else space.sub(component)
 
 
 def node_dofs(space: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Arc length of the owned nodes and their dofs of the first sub-space, shape ``(n, 3)``."""
-    motion, parent = space.sub(0).collapse()
-    owned = motion.dofmap.index_map.size_local
+    """Arc length of the owned nodes and the dofs of their motion, shape ``(n, 3)`` or ``(n, 2)``.
+
+    The motion is the first sub-space of a mixed space, or the whole of another one.
+    """
+    motion, parent = space.sub(0).collapse() if is_mixed(space) else (space, None)
+    owned, size = motion.dofmap.index_map.size_local, motion.dofmap.index_map_bs
     S = motion.tabulate_dof_coordinates()[:owned, 0]
-    return S, np.asarray(parent, dtype=np.int32)[: 3 * owned].reshape(-1, 3)
+    dofs = np.arange(owned * size) if parent is None else np.asarray(parent)[: owned * size]
+    return S, dofs.astype(np.int32).reshape(-1, size)
+
+
+def is_mixed(space: Any) -> bool:
+    """Whether a space has sub-spaces of different kinds, not only the components of a vector."""
+    return space.dofmap.index_map_bs == 1
 
 
 def size_of_second(space: Any) -> int:
-    """Number of degrees of freedom of the second sub-space on all ranks."""
-    dofmap = space.sub(1).collapse()[0].dofmap
-    return int(dofmap.index_map.size_global * dofmap.index_map_bs)
+    """Number of degrees of freedom of the second sub-space on all ranks; 0 where not mixed."""
+    if not is_mixed(space):
+        return 0
+    return size_of(space.sub(1).collapse()[0])
+
+
+def size_of(space: Any) -> int:
+    """Number of degrees of freedom on all ranks."""
+    return int(space.dofmap.index_map.size_global * space.dofmap.index_map_bs)
 
 
 def quadrature_space(mesh: Any, size: int, degree: int) -> Any:

@@ -83,9 +83,14 @@ def _models_of(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _kind_key(annotation: Any) -> str:
-    """Key whose value tells several kinds of table apart."""
-    fields = _models_of(annotation)[-1].model_fields.items()
-    return next(key for key, field in fields if get_origin(field.annotation) is Literal)
+    """Key whose value tells several kinds of table apart: a choice that differs among them."""
+    tables = [model.model_fields for model in _models_of(annotation)]
+    return next(
+        key
+        for key, field in tables[0].items()
+        if get_origin(field.annotation) is Literal
+        and len({get_args(fields[key].annotation) for fields in tables if key in fields}) > 1
+    )
 
 
 def _model_of(annotation: Any, value: object = None) -> type[BaseModel] | None:
@@ -94,9 +99,10 @@ def _model_of(annotation: Any, value: object = None) -> type[BaseModel] | None:
     if len(models) > 1:
         key = _kind_key(annotation)
         kind = _look_up(value, (key,))
-        for model in models:
-            if key in model.model_fields and kind in get_args(model.model_fields[key].annotation):
-                return model
+        alike = [m for m in models if kind in get_args(m.model_fields[key].annotation)]
+        alike = alike or [m for m in models if not m.model_fields[key].is_required()]
+        keys = set(value) if isinstance(value, Mapping) else set()
+        models = sorted(alike or models, key=lambda m: -len(keys & set(m.model_fields)))
     return models[0] if models else None
 
 
@@ -127,6 +133,7 @@ def _field_at(model: type[BaseModel], data: object, path: _Path) -> tuple[Any, l
             key = _kind_key(annotation) if len(models) > 1 else None
             if part == key:  # one of the kinds
                 kinds = [k for m in models for k in get_args(m.model_fields[key].annotation)]
+                kinds = list(dict.fromkeys(kinds))
                 annotation, metadata = Literal[tuple(kinds)], []
             elif field := (_model_of(annotation, value) or model).model_fields.get(part):
                 annotation, metadata = field.annotation, field.metadata

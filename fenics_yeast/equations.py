@@ -30,7 +30,8 @@ class Equations:
         self.matrix = dx.create_matrix(shell.tangent)
         self._assembled = dx.fem.Function(shell.space)
         self._b, self._w = self._assembled.x.array, shell.w.x.array
-        self.owned = shell.space.dofmap.index_map.size_local
+        dofmap = shell.space.dofmap
+        self.owned = dofmap.index_map.size_local * dofmap.index_map_bs
         self._held = shell.constrained[shell.constrained < self.owned]
 
     def destroy(self) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from . import _dolfinx as dx
 from .equations import Equations, use_lu
+from .flat_start import leave_plane
 from .shell import Shell
 
 Array = NDArray[np.float64]
@@ -123,8 +124,9 @@ class Equilibrium:
         EquilibriumError
             With SNES' reason in words; displacement and growth are then as before.
         """
-        before = self._shell.snapshot()
-        self._x.array[:] = before.w[: self._equations.owned]
+        before, shell = self._shell.snapshot(), self._shell
+        leave_plane(shell, lambda volume, pressure: pressure, float(shell.pressure.value))
+        self._x.array[:] = shell.w.x.array[: self._equations.owned]
         self.snes.solve(None, self._x)
         try:
             iterations = verdict(self.snes)

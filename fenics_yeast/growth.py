@@ -26,16 +26,21 @@ class WallPoint(NamedTuple):
         Total logarithmic strains.
     eps_g
         Growth part of the logarithmic strains.
+    eps_3
+        Logarithmic strain through the wall; None where `λ3 = 1`.
     """
 
     tau: Any
     eps: Any
     eps_g: Any
+    eps_3: Any = None
 
     @property
     def J(self) -> Any:
-        """Jacobian `λ1 λ2` of the deformation; `λ3 = 1`."""
-        return ufl.exp(self.eps[0] + self.eps[1])
+        """Jacobian `λ1 λ2 λ3` of the deformation."""
+        if self.eps_3 is None:
+            return ufl.exp(self.eps[0] + self.eps[1])
+        return ufl.exp(self.eps[0] + self.eps[1] + self.eps_3)
 
 
 GrowthRate = Callable[[WallPoint], Any]

@@ -17,7 +17,7 @@ import ufl
 from numpy.typing import NDArray
 
 from . import _dolfinx as dx
-from . import growth, kinematics, wall
+from . import growth, wall
 from .weights import WeightField
 
 Array = NDArray[np.float64]
@@ -40,8 +40,8 @@ class GrowthState:
         Degree of the quadrature rule of the wall.
     eps
         Total logarithmic strains at each thickness point, UFL vectors.
-    energy, growth_rate
-        Strain energy and rate of growth.
+    material, growth_rate
+        Material of the wall and rate of growth.
     weights
         Weights that the rate holds.
 
@@ -60,7 +60,7 @@ class GrowthState:
         cells: NDArray[np.int32],
         degree: int,
         eps: Sequence[Any],
-        energy: wall.StrainEnergy,
+        material: wall.Material,
         growth_rate: growth.GrowthRate,
         weights: Sequence[WeightField] = (),
     ) -> None:
@@ -80,8 +80,8 @@ class GrowthState:
             eps_j = ufl.variable(strain)
             eps_g = ufl.variable(self.strain(j))
             base = ufl.as_vector([self.base[2 * j], self.base[2 * j + 1]])
-            tau = wall.kirchhoff_stress(energy, kinematics.elastic(eps_j, eps_g))
-            point = growth.WallPoint(tau, eps_j, eps_g)
+            tau, eps_3 = material.stress(eps_j, eps_g), material.thickness_strain(eps_j, eps_g)
+            point = growth.WallPoint(tau, eps_j, eps_g, eps_3)
             rate = growth_rate(point)
             residual = eps_g - base - self.stage * rate
             inverse = ufl.inv(ufl.diff(residual, eps_g))

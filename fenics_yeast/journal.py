@@ -40,7 +40,7 @@ class Journal:
     def __init__(self, shell: Shell, observer: Observer | None) -> None:
         self._shell, self._probe = shell, Probe(shell)
         self._observer = observer if shell.comm.rank == 0 else None
-        self._volume_0 = shell.volume()
+        self._volume_0 = shell.reference_volume
         self._accepted: tuple[Snapshot, float] | None = None
         self._saved = True
         self.rows: list[Row] = []
@@ -50,7 +50,7 @@ class Journal:
 
     @property
     def volume_0(self) -> float:
-        """Volume of the unloaded cell in µm³."""
+        """Volume in µm³ that ratios refer to, that of the unloaded cell."""
         return self._volume_0
 
     def accept(self, time: float, step: float, iterations: int, stable: bool) -> None:

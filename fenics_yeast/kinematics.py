@@ -40,13 +40,19 @@ def strains(reference: Meridian, current: Meridian) -> Strains:
     """Strain parts (2) from the reference and the current meridian."""
     R, Phi, Phi_S = reference.r, reference.psi, reference.psi_S
     r, r_S, z_S, psi, psi_S = current
+    E1m, E2m = membrane_strains(R, r, r_S, z_S)
     return Strains(
-        E1m=(r_S**2 + z_S**2 - 1) / 2,
-        E2m=((r / R) ** 2 - 1) / 2,
+        E1m=E1m,
+        E2m=E2m,
         E1b=(r_S * ufl.cos(psi) + z_S * ufl.sin(psi)) * psi_S - Phi_S,
         E2b=(r * ufl.sin(psi) / R - ufl.sin(Phi)) / R,
         gamma=r_S * ufl.sin(psi) - z_S * ufl.cos(psi),
     )
+
+
+def membrane_strains(R: Any, r: Any, r_S: Any, z_S: Any) -> tuple[Any, Any]:
+    """`E1m, E2m`, the part of (2) that a wall without bending has."""
+    return (r_S**2 + z_S**2 - 1) / 2, ((r / R) ** 2 - 1) / 2
 
 
 def green_lagrange(parts: Strains, xi: Any) -> tuple[Any, Any]:

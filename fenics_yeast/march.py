@@ -191,7 +191,8 @@ class March:
         self._stable = self._stability.falling() == 0
         if self._stable:
             return False
-        return self._equilibrium.compliance() < 0 or self._shell.volume() <= 0
+        inside_out = self._scene.cell.closed and self._shell.volume() <= 0
+        return self._equilibrium.compliance() < 0 or inside_out
 
     def _good(self, steps: TimeSteps, step: Step, end: float) -> bool:
         """Whether the trial is good enough; adapts the steps."""

@@ -9,7 +9,6 @@ import ufl
 from numpy.typing import NDArray
 
 from . import _dolfinx as dx
-from . import kinematics, wall
 from .growth import WallPoint
 from .record import Profile
 from .shell import Shell
@@ -64,8 +63,9 @@ class Probe:
         for j, eps in enumerate(self._shell.eps):
             growth = self._shell.growth
             eps_g = ufl.as_vector([0, 0]) if growth is None else growth.strain(j)
-            tau = wall.kirchhoff_stress(self._shell.energy, kinematics.elastic(eps, eps_g))
-            sigma = tau / WallPoint(tau, eps, eps_g).J
+            material = self._shell.material
+            tau, eps_3 = material.stress(eps, eps_g), material.thickness_strain(eps, eps_g)
+            sigma = tau / WallPoint(tau, eps, eps_g, eps_3).J
             values += [vector[i] for vector in (eps, sigma, eps_g) for i in range(2)]
         return ufl.as_vector(values)
 
@@ -83,9 +83,8 @@ class Probe:
         """Profile of the wall; None but on rank 0."""
         shell = self._shell
         motion = shell.w.x.array[self._dofs]
-        nodes = np.column_stack(
-            [self._S, self._R + motion[:, 0], self._Z + motion[:, 1], self._Phi + motion[:, 2]]
-        )
+        psi = self._Phi + motion[:, 2] if shell.bending else self._Phi
+        nodes = np.column_stack([self._S, self._R + motion[:, 0], self._Z + motion[:, 1], psi])
         fields = dx.evaluate(self._fields, shell.mesh, self._cells)
         S = shell.quadrature_S[self._cells]
         parts = shell.comm.gather((nodes, S.ravel(), fields.reshape(S.size, -1, 3, 2)))
@@ -95,4 +94,6 @@ class Probe:
         nodes, order = nodes[np.argsort(nodes[:, 0])], np.argsort(S)
         eps, sigma, eps_g = (np.ascontiguousarray(fields[order, :, i]) for i in range(3))
         S_nodes, r, z, psi = np.ascontiguousarray(nodes.T)
+        if not shell.bending:  # the tangent of the wall, by differences
+            psi = np.unwrap(np.arctan2(*(np.gradient(x, S_nodes, edge_order=2) for x in (z, r))))
         return Profile(time, S_nodes, r, z, psi, S[order], shell.xi, eps, sigma, eps_g)

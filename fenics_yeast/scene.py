@@ -24,7 +24,7 @@ from fenics_yeast._run import Control, Run, StaticPath, Until
 from fenics_yeast._scene_errors import SceneError, explain, value_text
 from fenics_yeast._table import Table
 from fenics_yeast._turgor import PressureTable, Turgor
-from fenics_yeast._wall import Wall
+from fenics_yeast._wall import AnyWall, LinearWall, OgdenWall, Wall
 
 __all__ = [
     "PRESETS",
@@ -34,7 +34,9 @@ __all__ = [
     "Grading",
     "Growth",
     "Integrator",
+    "LinearWall",
     "Numerics",
+    "OgdenWall",
     "Preset",
     "PressureTable",
     "Run",
@@ -60,7 +62,7 @@ class Scene(Table):
         default="", description="title of figures, and the name unless read from a file"
     )
     cell: AnyCell = Field(description="shape of the unloaded cell")
-    wall: Wall = Field(description="the cell wall")
+    wall: AnyWall = Field(description="the cell wall")
     turgor: Turgor = Field(description="pressure inside the cell")
     growth: OneOrMore | None = Field(
         default=None, description="growth of the wall, of one zone or more; None: an elastic scene"
@@ -83,6 +85,9 @@ class Scene(Table):
             least = "radius" if radius == self.cell.radius else "least radius"
             allowed = f"a thickness less than the cell's {least} ({radius:.6g} µm) is wanted"
             raise refusal("", allowed=allowed, key="wall.thickness")
+        if not self.wall.bending and not self.cell.stiff_without_bending:
+            allowed = "a flat ring without bending bears nothing; give it a height, or bending"
+            raise refusal("", allowed=allowed, key="wall.bending")
         if self.path is not None:
             for table in ("run", "growth"):
                 if getattr(self, table) is not None:

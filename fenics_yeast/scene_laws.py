@@ -8,14 +8,37 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from . import growth
+from . import growth, wall
+from ._wall import AnyWall
 from .laws import Law, Parameter
 from .meridian import Discretisation
-from .scene import Scene
+from .scene import LinearWall, OgdenWall, Scene, Wall
 from .weights import Weight, Weights
 from .zones import Intervals
 
 Array = NDArray[np.float64]
+
+
+def strain_energy(material: AnyWall) -> Law:
+    """Strain energy of a scene's wall."""
+    match material:
+        case Wall(shear_modulus=mu, ogden_exponent=alpha):
+            return Law(wall.ogden, {"mu": mu, "alpha": alpha})
+        case OgdenWall(shear_moduli=moduli, ogden_exponents=exponents):
+            terms = {f"mu_{i}": mu for i, mu in enumerate(moduli)}
+            terms |= {f"alpha_{i}": alpha for i, alpha in enumerate(exponents)}
+            return Law(wall.ogden_terms, terms)
+        case LinearWall(young_modulus=young, poisson_ratio=poisson):
+            return Law(wall.linear, {"young": young, "poisson": poisson})
+
+
+def thinning(material: AnyWall) -> Law | None:
+    """Strain through a scene's wall; None where it keeps its thickness."""
+    if material.thickness_change == "none":
+        return None
+    if isinstance(material, LinearWall):
+        return Law(wall.linear_thinning, {"poisson": material.poisson_ratio})
+    return Law(wall.incompressible_thinning)
 
 
 def growth_law(scene: Scene, cut: Discretisation) -> Law | None:

@@ -12,7 +12,7 @@ import ufl
 from numpy.typing import NDArray
 
 from . import _dolfinx as dx
-from . import growth, kinematics
+from . import growth, kinematics, wall
 from ._cell import End
 from .growth_state import GrowthState
 from .laws import Law, Parameter
@@ -23,7 +23,7 @@ from .weights import WeightField, Weights
 Array = NDArray[np.float64]
 
 _ELASTIC, _GROWING = 0, 1
-_AXIAL = 1
+_AXIAL, _ROTATION = 1, 2
 # Components of (u_r, u_z, β) that are held at an end of the meridian.
 _HELD: dict[End, tuple[int, ...]] = {
     "pole": (0, 2),
@@ -35,6 +35,7 @@ _HELD: dict[End, tuple[int, ...]] = {
 }
 # Keeps the pivots of the shear force off zero; V/V0 is that of γ = 0 to 10 digits from here on.
 _LARGEST_PENALTY = 1e8
+_NO_VOLUME = 1e-9
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,12 @@ class Shell:
         Strain energy ψ of the elastic logarithmic strains.
     growth_law
         Growth rate in the zone; None for an elastic wall, which then has no growth state.
+    per_grown
+        Whether the energy is per volume of the grown wall, not of the reference wall.
+    thinning
+        Elastic strain through the wall; None where it keeps its thickness.
+    bending
+        False for a membrane, whose only unknown is the displacement.
 
     Attributes
     ----------
@@ -86,6 +93,11 @@ class Shell:
         Trial state `(u_r, u_z, β, Q)`, a function of the mixed space.
     pressure
         Turgor in MPa, a constant of the forms.
+    bending, membrane_stiffness
+        Whether the wall resists bending; `E h` of its size, in µN/µm.
+    reference_volume
+        Volume in µm³ that ratios refer to: that of the unloaded cell or, where that is none, of
+        a half sphere on the edge.
     growth
         Growth strains of the growing cells, or None.
     eps, xi
@@ -116,22 +128,28 @@ class Shell:
         shear_penalty: float,
         energy: Law,
         growth_law: Law | None = None,
+        per_grown: bool = False,
+        thinning: Law | None = None,
+        bending: bool = True,
     ) -> None:
         self.discretisation = discretisation
         self.mesh = mesh = dx.interval_mesh(comm, discretisation.nodes)
         self.comm = mesh.comm
         self.degree = 2 * order - 1  # as many Gauss points as the order: no locking
-        self.space = dx.shell_space(mesh, order)
+        self.bending, self.membrane_stiffness = bending, 3 * shear_modulus * thickness
+        self.space = (dx.shell_space if bending else dx.membrane_space)(mesh, order)
         self.w = dx.fem.Function(self.space)
         self.pressure = self._constant(0.0)
         self._h = self._constant(thickness)
         penalty = min(shear_penalty, _LARGEST_PENALTY)
         self._compliance = self._constant(1 / (penalty * shear_modulus * thickness))
-        self._zeta, self._weights = np.polynomial.legendre.leggauss(thickness_points)
+        points = thickness_points if bending else 1
+        self._zeta, self._weights = np.polynomial.legendre.leggauss(points)
         self.xi: Array = self._zeta * thickness / 2
         self._place_points()
         self._constrain_ends()
-        self.energy = energy.on(self._coefficient)
+        through = None if thinning is None else thinning.on(self._coefficient)
+        self.material = wall.Material(energy.on(self._coefficient), per_grown, through)
 
         self._describe()
         self.growth = None
@@ -143,11 +161,12 @@ class Shell:
                 self.growing_cells,
                 self.degree,
                 self.eps,
-                self.energy,
+                self.material,
                 rate,
                 self._growth_weights,
             )
         self._derive()
+        self.reference_volume = self._reference_volume()
 
     # --- reference wall and boundary conditions -------------------------------------------
 
@@ -191,12 +210,12 @@ class Shell:
     def _constrain_ends(self) -> None:
         """Hold what regularity asks at the poles, and what the edges' supports take."""
         ends = zip(self.discretisation.ends, (0.0, self.discretisation.curve.length), strict=True)
-        held = [(i, S) for end, S in ends for i in _HELD[end]]
+        held = [(i, S) for end, S in ends for i in _HELD[end] if self.bending or i < _ROTATION]
         if all(i != _AXIAL for i, _ in held):
             held.append((_AXIAL, 0.0))  # else a closed cell could move along its axis
-        dofs = [(dx.end_dofs(self.space, (0, i), S), i) for i, S in held]
+        dofs = [(dx.end_dofs(self.space, i, S), dx.motion_part(self.space, i)) for i, S in held]
         zero = self._constant(0.0)
-        self.conditions = [dx.fem.dirichletbc(zero, d, self.space.sub(0).sub(i)) for d, i in dofs]
+        self.conditions = [dx.fem.dirichletbc(zero, d, part) for d, part in dofs]
         self.constrained = np.concatenate([d for d, _ in dofs])
 
     # --- the wall in UFL ------------------------------------------------------------------
@@ -204,6 +223,9 @@ class Shell:
     def _describe(self) -> None:
         """Strains at each thickness point from the trial state, equations (1) to (6)."""
         self._R, Phi, Phi_S = (self._reference[i] for i in range(3))
+        if not self.bending:
+            self._describe_membrane(Phi)
+            return
         motion, self._Q = ufl.split(self.w)
         u_r, u_z, beta = (motion[i] for i in range(3))
         reference = kinematics.Meridian(self._R, ufl.cos(Phi), ufl.sin(Phi), Phi, Phi_S)
@@ -226,6 +248,15 @@ class Shell:
             E = kinematics.green_lagrange(parts, float(zeta) * self._h / 2)
             self.eps.append(ufl.as_vector([kinematics.logarithmic(E_i) for E_i in E]))
 
+    def _describe_membrane(self, Phi: Any) -> None:
+        """The same without rotation, at the mid-surface alone."""
+        u_r, u_z = (self.w[i] for i in range(2))
+        r, r_S, z_S = self._R + u_r, ufl.cos(Phi) + u_r.dx(0), ufl.sin(Phi) + u_z.dx(0)
+        self._current = kinematics.Meridian(r, r_S, z_S, psi=None, psi_S=None)
+        self._strain = ufl.as_vector(kinematics.membrane_strains(self._R, r, r_S, z_S))
+        self._E = ufl.variable(self._strain)
+        self.eps = [ufl.as_vector([kinematics.logarithmic(self._E[i]) for i in range(2)])]
+
     def _resultants(self, eps_g: list[Any]) -> list[Any]:
         """Part of each thickness point in the resultants `(N1, N2, M1, M2)` of the wall.
 
@@ -233,8 +264,8 @@ class Shell:
         """
         parts = []
         for j, (weight, eps) in enumerate(zip(self._weights, self.eps, strict=True)):
-            eps_e = kinematics.elastic(eps, eps_g[j]) if eps_g else eps
-            energy = float(weight) * self._h / 2 * self.energy(eps_e)
+            energy = self.material.energy(eps, eps_g[j] if eps_g else None)
+            energy = float(weight) * self._h / 2 * energy
             parts.append(ufl.diff(energy, self._E))
         return parts
 
@@ -249,8 +280,10 @@ class Shell:
         d_E = ufl.derivative(self._strain, self.w, v)
         D_E = ufl.derivative(self._strain, self.w, dw)
         dD_E = ufl.derivative(d_E, self.w, dw)
-        lagrangian = (self._Q * self._gamma - self._Q**2 * self._compliance / 2) * self._R
-        lagrangian -= self.pressure * self._enclosed
+        lagrangian = -self.pressure * self._enclosed
+        if self.bending:
+            shear = (self._Q * self._gamma - self._Q**2 * self._compliance / 2) * self._R
+            lagrangian = shear - self.pressure * self._enclosed
         residual, tangent = 0, 0
         elastic = self._resultants([])
         eps_g: list[Any] = []
@@ -290,10 +323,11 @@ class Shell:
         D = reduce(add, [N_g * g_eps * ufl.diff(eps, self._E) for N_g, g_eps, eps in changes])
         d = reduce(add, [N_g * g_a for N_g, g_a in zip(by_growth, state.by_stage, strict=True)])
         place = (self.mesh, self.growing_cells, self.degree)
-        self._followed = PointField(*place, [D[i, j] for i in range(4) for j in range(4)])
-        self._lengthened = PointField(*place, [d[i] for i in range(4)])
+        n = len(self._strain)
+        self._followed = PointField(*place, [D[i, j] for i in range(n) for j in range(n)])
+        self._lengthened = PointField(*place, [d[i] for i in range(n)])
         f = self._followed.function
-        matrix = ufl.as_matrix([[f[4 * i + j] for j in range(4)] for i in range(4)])
+        matrix = ufl.as_matrix([[f[n * i + j] for j in range(n)] for i in range(n)])
         return matrix, self._lengthened.function
 
     def differentiate(self) -> None:
@@ -329,6 +363,12 @@ class Shell:
     def volume(self) -> float:
         """Volume enclosed by the mid-surface in the trial state, µm³."""
         return dx.assemble_scalar(self._volume, self.comm)
+
+    def _reference_volume(self) -> float:
+        volume, curve = self.volume(), self.discretisation.curve
+        largest = float(curve.radius(np.linspace(0, curve.length, 101)).max())
+        half_sphere = 2 * np.pi / 3 * largest**3
+        return volume if volume > _NO_VOLUME * half_sphere else half_sphere
 
     def dissipation_rate(self) -> float:
         """Dissipation of growth (12) in the trial state, µm³ MPa/min; zero without growth."""

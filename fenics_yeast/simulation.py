@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import _dolfinx as dx
-from . import scene_laws, wall
+from . import scene_laws
 from .equilibrium import Equilibrium
 from .evolution import Evolution
 from .integrators import TABLEAUX
@@ -43,7 +43,6 @@ def build_shell(
     energy, growth_law
         Laws in place of the scene's own. A growth law needs a scene with a growing zone.
     """
-    mu, alpha = scene.wall.shear_modulus, scene.wall.ogden_exponent
     if scene.growth is None and growth_law is not None:
         raise ValueError("a growth law needs a scene with a table [growth], for its zone")
     cut = discretise(scene)
@@ -53,10 +52,13 @@ def build_shell(
         order=scene.numerics.order,
         thickness_points=scene.numerics.thickness_points,
         thickness=scene.wall.thickness,
-        shear_modulus=mu,
+        shear_modulus=scene.wall.shear_modulus,
         shear_penalty=scene.numerics.shear_penalty,
-        energy=energy or Law(wall.ogden, {"mu": mu, "alpha": alpha}),
+        energy=energy or scene_laws.strain_energy(scene.wall),
         growth_law=growth_law or scene_laws.growth_law(scene, cut),
+        per_grown=scene.wall.energy_per == "grown",
+        thinning=scene_laws.thinning(scene.wall),
+        bending=scene.wall.bending,
     )
 
 
@@ -130,7 +132,7 @@ def simulate(
         status=outcome.status,
         message=message,
         end_time=rows[-1].time_min if rows else 0.0,
-        dofs=shell.space.dofmap.index_map.size_global,
+        dofs=dx.size_of(shell.space),
         steps=max(0, len(rows) - 1),
         rejected_steps=journal.rejected,
         newton_iterations=journal.iterations,

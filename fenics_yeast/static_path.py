@@ -70,8 +70,8 @@ def follow(
     PathError
         At a limit point that the control cannot pass, or where no step converges.
     """
-    volume_0 = shell.volume()
-    v, q = 1.0, 0.0
+    volume_0 = shell.reference_volume
+    v, q = _place(shell, volume_0, unit)
     points: deque[tuple[float, Array]] = deque([(0.0, _state(shell))], maxlen=3)
     axis, target = goal.coordinate(unit)
     span = target - (v, q)[axis]
@@ -179,11 +179,11 @@ def limit_point(shell: Shell, pressure: float, tolerance: float) -> LimitPoint |
     """
     sign = copysign(1.0, pressure - float(shell.pressure.value))
     points = [(shell.volume(), float(shell.pressure.value))]
-    step, spent = _LARGEST_WALK, 0
+    step, spent, size = _LARGEST_WALK, 0, shell.reference_volume
     with VolumeControl(shell, shell.pressure, tolerance) as solver:
         for _ in range(_MOST_WALKED):
             try:
-                spent += solver.solve(points[-1][0] * (1 + sign * step))
+                spent += solver.solve(points[-1][0] + sign * step * size)
             except EquilibriumError as error:
                 spent += error.iterations
                 step /= 2
@@ -195,7 +195,7 @@ def limit_point(shell: Shell, pressure: float, tolerance: float) -> LimitPoint |
             if len(points) > 2 and sign * (points[-1][1] - points[-2][1]) < 0:
                 volumes, pressures = np.array(points[-3:]).T
                 top = np.polynomial.Polynomial.fit(volumes, pressures, 2).deriv().roots()[0]
-                spent += solver.solve(float(np.real(top)) * (1 - sign * _BEFORE))
+                spent += solver.solve(float(np.real(top)) - sign * _BEFORE * size)
                 return LimitPoint(float(shell.pressure.value), spent)
             if sign * (pressure - points[-1][1]) <= 0:
                 return None

@@ -14,6 +14,7 @@ import numpy as np
 from . import _dolfinx as dx
 from .equations import Equations, use_lu
 from .equilibrium import EquilibriumError, newton, verdict
+from .flat_start import leave_plane
 from .shell import Shell
 
 _PRECISION = 1e-9  # of the volume, relative
@@ -40,7 +41,7 @@ class VolumeControl:
         by_pressure = parameter is shell.pressure
         self._growth = None if by_pressure else shell.growth
         self._equations = equations = Equations(shell)
-        self._weight = tolerance / (_PRECISION * shell.volume())
+        self._weight = tolerance / (_PRECISION * shell.reference_volume)
         self._target = self._by_parameter = 0.0
         self._by_volume = 1.0
         self._root = shell.comm.rank == 0
@@ -93,16 +94,19 @@ class VolumeControl:
         EquilibriumError
             With SNES' reason in words; state, growth and parameter are then as before.
         """
-        before, value = self._shell.snapshot(), float(self._parameter.value)
+        before = self._shell.snapshot()
+        value = accepted = float(self._parameter.value)
         self._target, self._by_volume, self._by_parameter = target, by_volume, by_parameter
+        if self._parameter is self._shell.pressure:
+            value = leave_plane(self._shell, lambda V, p: by_volume * V + by_parameter * p, target)
         x = self._x.array
-        x[: self._equations.owned] = before.w[: self._equations.owned]
+        x[: self._equations.owned] = self._shell.w.x.array[: self._equations.owned]
         x[self._equations.owned :] = value
         self.snes.solve(None, self._x)
         try:
             iterations = verdict(self.snes)
         except EquilibriumError:
-            self._parameter.value = value
+            self._parameter.value = accepted
             self._shell.restore(before)
             raise
         state, self._parameter.value = self._parts(self._x)

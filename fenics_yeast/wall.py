@@ -8,9 +8,12 @@ come from it by UFL differentiation.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import ufl
+
+from . import kinematics
 
 StrainEnergy = Callable[[Any], Any]
 
@@ -31,6 +34,78 @@ def ogden(eps_e: Any, mu: Any, alpha: Any) -> Any:
     lambda_2 = ufl.exp(alpha * eps_e[1])
     lambda_3 = ufl.exp(-alpha * (eps_e[0] + eps_e[1]))
     return 2 * mu / alpha**2 * (lambda_1 + lambda_2 + lambda_3 - 3)
+
+
+def ogden_terms(eps_e: Any, **terms: Any) -> Any:
+    """Sum of one-term Ogden energies, of moduli `mu_0, mu_1, ...` and exponents `alpha_0, ...`."""
+    pairs = [(terms[f"mu_{i}"], terms[f"alpha_{i}"]) for i in range(len(terms) // 2)]
+    return sum(ogden(eps_e, mu, alpha) for mu, alpha in pairs)
+
+
+def linear(eps_e: Any, young: Any, poisson: Any) -> Any:
+    """Energy of St Venant and Kirchhoff in plane stress, quadratic in Green and Lagrange's strain.
+
+    Parameters
+    ----------
+    eps_e
+        Elastic logarithmic strains `(ε1^e, ε2^e)`.
+    young, poisson
+        Young's modulus in MPa, Poisson's ratio.
+    """
+    E1, E2 = (_green(eps_e[i]) for i in range(2))
+    return young / (2 * (1 - poisson**2)) * (E1**2 + E2**2 + 2 * poisson * E1 * E2)
+
+
+def incompressible_thinning(eps_e: Any) -> Any:
+    """Logarithmic strain `ε3^e` through an incompressible wall."""
+    return -(eps_e[0] + eps_e[1])
+
+
+def linear_thinning(eps_e: Any, poisson: Any) -> Any:
+    """Logarithmic strain `ε3^e` through a wall of St Venant and Kirchhoff in plane stress."""
+    E3 = -poisson / (1 - poisson) * (_green(eps_e[0]) + _green(eps_e[1]))
+    return kinematics.logarithmic(E3)
+
+
+def _green(eps: Any) -> Any:
+    """Green and Lagrange's strain of a logarithmic one."""
+    return (ufl.exp(2 * eps) - 1) / 2
+
+
+@dataclass(frozen=True)
+class Material:
+    """What the wall is made of.
+
+    Attributes
+    ----------
+    psi
+        Strain energy.
+    per_grown
+        Whether that is per volume of the grown wall; else per volume of the reference wall.
+    thinning
+        Logarithmic strain `ε3^e` through the wall, a function of the elastic strains; None where
+        the wall keeps its thickness.
+    """
+
+    psi: StrainEnergy
+    per_grown: bool = False
+    thinning: StrainEnergy | None = None
+
+    def energy(self, eps: Any, eps_g: Any = None) -> Any:
+        """Energy per reference volume of total and growth strains; None: nothing has grown."""
+        if eps_g is None:
+            return self.psi(eps)
+        energy = self.psi(kinematics.elastic(eps, eps_g))
+        return energy * ufl.exp(eps_g[0] + eps_g[1]) if self.per_grown else energy
+
+    def stress(self, eps: Any, eps_g: Any) -> Any:
+        """Principal Kirchhoff stresses `τ_i`, forces per reference section."""
+        tau = kirchhoff_stress(self.psi, kinematics.elastic(eps, eps_g))
+        return tau * ufl.exp(eps_g[0] + eps_g[1]) if self.per_grown else tau
+
+    def thickness_strain(self, eps: Any, eps_g: Any) -> Any:
+        """`ε3` through the wall; None where it keeps its thickness."""
+        return None if self.thinning is None else self.thinning(kinematics.elastic(eps, eps_g))
 
 
 def kirchhoff_stress(psi: StrainEnergy, eps_e: Any) -> Any:

@@ -73,7 +73,7 @@ def point(one_cell):
     def rate(at):
         return growth.stress_driven(at, SIGMA_TRS, T_GRW)
 
-    state = GrowthState(one_cell, CELL, 1, [strain], energy, rate)
+    state = GrowthState(one_cell, CELL, 1, [strain], wall.Material(energy), rate)
     return strain, state
 
 
