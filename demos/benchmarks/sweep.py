@@ -41,8 +41,10 @@ def main() -> None:
         beside = run(Path(folder, "beside"), given.cases, given.step, given.width, given.mpi)
     efficiency = alone / (given.width * beside)
     kind = "ranks" if given.mpi else "processes"
-    print(f"{given.cases} cases of {alone / given.cases:.2f} s: {alone:.1f} s in one process, ")
-    print(f"{beside:.1f} s on {given.width} {kind}, efficiency {efficiency:.2f}")
+    print(
+        f"{given.cases} cases of {alone / given.cases:.2f} s: {alone:.1f} s in one process, "
+        f"{beside:.1f} s on {given.width} {kind}, efficiency {efficiency:.2f}"
+    )
 
 
 if __name__ == "__main__":
