@@ -40,7 +40,7 @@ demo: setup  ## the paper's budding cell: volumes, pictures and data
 	@echo "Pictures: out/bud/figures/shapes.png, volume.png; data: out/bud/history.csv, profiles.npz"
 
 .PHONY: test
-test: setup  ## all tests; ARGS="..." goes to pytest
+test: .venv/.installed-test  ## all tests; ARGS="..." goes to pytest
 	@$(PYTHON) -m pytest $(ARGS)
 
 .PHONY: lint
@@ -69,10 +69,15 @@ setup: .venv/.installed  ## Debian packages and .venv, when they are missing or 
 	@$(SYSTEM_PYTHON) -m venv --system-site-packages .venv
 	@# petsc4py and dolfinx are built for Debian's NumPy: pip must not bring another one.
 	@$(SYSTEM_PYTHON) -c 'import numpy; print(f"numpy=={numpy.__version__}")' > .venv/constraints.txt
-	@$(call pip-install,.[test])
+	@$(call pip-install,.)
 	@echo "$$(pwd -P) $$(readlink -f $(SYSTEM_PYTHON))" > $@
 
-.venv/.installed-dev: .venv/.installed
+.venv/.installed-test: .venv/.installed
+	@echo "Adding what the tests need to .venv (VTK among it, 100 MB)"
+	@$(call pip-install,.[test])
+	@touch $@
+
+.venv/.installed-dev: .venv/.installed-test
 	@echo "Adding the tools for development to .venv"
 	@$(call pip-install,.[test$(comma)dev])
 	@touch $@

@@ -219,6 +219,7 @@ def plot(
 def _draw(directory: Path) -> list[Path]:
     from . import plots, sweep_plots
     from .output import load_error_bars, load_history, load_profiles, load_scene, load_status
+    from .surface import write_surfaces
     from .sweep_table import TABLE
 
     if (directory / TABLE).exists():
@@ -226,7 +227,8 @@ def _draw(directory: Path) -> list[Path]:
     scene, status = load_scene(directory), load_status(directory)
     profiles = load_profiles(directory)  # before the history, which is ahead of them
     history, bars = load_history(directory), load_error_bars(directory)
-    return plots.draw(directory, scene, history, profiles, status, bars)
+    drawn = plots.draw(directory, scene, history, profiles, status, bars)
+    return [*drawn, write_surfaces(directory, scene, profiles)] if len(profiles) else drawn
 
 
 def _load(scene_file: Path, assignments: list[str] | None) -> Scene:

@@ -1,4 +1,4 @@
-"""A scene run into an output folder: simulation, figures and summary, on any number of ranks."""
+"""A scene run into an output folder: simulation, figures, summary, on any number of ranks."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def run_into(
     with_error_bars
         Whether the scene is run again, refined, for error bars of the volume.
     figures
-        Whether the figures are drawn, which takes as long as a short run.
+        Whether figures and surfaces are made, which takes as long as a short run.
 
     Returns
     -------
@@ -154,12 +154,14 @@ def _open(path: Path, scene: Scene, comm: Any) -> OutputFolder | None:
 def _complete(
     folder: OutputFolder, scene: Scene, result: Result, import_s: float, began: float, figures: bool
 ) -> None:
-    """Draw the figures and write the summary."""
+    """Draw the figures, make the surfaces and write the summary."""
     drawing = perf_counter()
     if figures:
-        from . import plots
+        from . import plots, surface
 
         with writing(folder.path):
+            if len(result.profiles):
+                surface.write_surfaces(folder.path, scene, result.profiles)
             plots.draw(
                 folder.path,
                 scene,

@@ -20,7 +20,10 @@ from .record import COLUMNS, ErrorBars, History, Profile, Profiles, Result, Row,
 from .scene import Scene
 
 _SCENE, _HISTORY, _PROFILES, _RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
-SHAPES, VOLUME = "figures/shapes.png", "figures/volume.png"  # within the folder
+# Within the folder, made of the others by other modules.
+SHAPES, VOLUME, MERIDIAN = (f"figures/{name}.png" for name in ("shapes", "volume", "meridian"))
+FIGURES = (SHAPES, VOLUME, MERIDIAN)
+SERIES, SURFACES = "surface.pvd", "surface"
 _HEADER = ",".join(COLUMNS)
 
 # Rewriting all profiles at each of very many saved times takes at most this part of the time.
@@ -152,8 +155,10 @@ class OutputFolder:
                 f"{self.path}: holds a {found[0]} that no run has left; choose another folder"
             )
         self.path.mkdir(parents=True, exist_ok=True)
-        for name in (_PROFILES, _RUN, SHAPES, VOLUME):
+        for name in (_PROFILES, _RUN, *FIGURES, SERIES):
             (self.path / name).unlink(missing_ok=True)
+        for surface in (self.path / SURFACES).glob("*.vtu"):
+            surface.unlink()
 
     def _begin(self) -> None:
         """Write the scene and begin the history."""

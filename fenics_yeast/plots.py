@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .meridian import discretise
 from .output import SHAPES, VOLUME
 from .record import ErrorBars, History, Profile, Profiles, Status
 from .scene import Scene
+from .wall_fields import area_strain, hermite, outline, zone_numbers
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -120,7 +120,7 @@ def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> No
     margin = 0.05 * (top - bottom)
     scale = _PANEL / (2 * half)  # inches per µm
     panel_height = (top - bottom + 2 * margin) * scale
-    strains = [_area_strain(p) for p in drawn]
+    strains = [area_strain(p) for p in drawn]
     largest = max(float(strain.max(initial=0.0)) for strain in strains)
     colouring = ScalarMappable(Normalize(0.0, largest or 1.0), "viridis_r")
     row_height = panel_height + 0.95
@@ -296,20 +296,6 @@ def _caption(profile: Profile, history: History, scene: Scene) -> str:
     return f"{profile.time:.4g} min\n{ratio}" if scene.run else ratio
 
 
-def _area_strain(profile: Profile) -> Array:
-    """Growth strain `ε1 + ε2`, the mean through the wall, at the points along the meridian."""
-    through = np.polynomial.legendre.leggauss(len(profile.xi))[1] / 2
-    return profile.growth_strain.sum(axis=2) @ through
-
-
-def _in_zone(profile: Profile, scene: Scene) -> NDArray[np.bool_]:
-    """Which of the pieces between two nodes belong to the growing zone."""
-    S, pieces = profile.S, np.arange(len(profile.S) - 1)
-    middle = (S[1:] + S[:-1]) / 2
-    parts = () if scene.growth is None else discretise(scene).growing
-    return np.any([np.zeros(len(pieces), bool), *(part.holds(middle) for part in parts)], axis=0)
-
-
 def _draw_wall(
     axes: Axes, profile: Profile, strain: Array, scene: Scene, scale: float, colouring: Any
 ) -> None:
@@ -317,9 +303,9 @@ def _draw_wall(
     from matplotlib.collections import LineCollection
 
     linewidth = max(1.3, scene.wall.thickness * scale * _POINTS)
-    S, r, z = _outline(profile)
-    zone = np.repeat(_in_zone(profile, scene), _FINER)
+    S, r, z = outline(profile, _FINER)
     middle = (S[1:] + S[:-1]) / 2
+    zone = zone_numbers(scene, middle) > 0
     colours = colouring.to_rgba(np.interp(middle[zone], profile.S_points, strain))
     for side in (-1, 1):
         nodes = np.column_stack([side * r, z])
@@ -330,24 +316,6 @@ def _draw_wall(
                     pieces[part].tolist(), colors=colour, linewidths=linewidth, capstyle="round"
                 )
             )
-
-
-def _outline(profile: Profile) -> tuple[Array, Array, Array]:
-    """`S, r, z` of the meridian, finer than the nodes: a coarse mesh of high degree is smooth."""
-    chord = np.hypot(np.diff(profile.r), np.diff(profile.z))
-    r = _hermite(profile.r, chord, np.cos(profile.psi))
-    z = _hermite(profile.z, chord, np.sin(profile.psi))
-    return _hermite(profile.S, np.diff(profile.S), np.ones_like(profile.S)), r, z
-
-
-def _hermite(values: Array, lengths: Array, slopes: Array) -> Array:
-    """Cubic pieces through values with given slopes, `_FINER` points for each piece."""
-    t = np.arange(_FINER)[:, None] / _FINER
-    start, end = values[:-1], values[1:]
-    m0, m1 = lengths * slopes[:-1], lengths * slopes[1:]
-    blend = t**2 * (3 - 2 * t)
-    inner = start + blend * (end - start) + t * (1 - t) * ((1 - t) * m0 - t * m1)
-    return np.append(inner.T.ravel(), values[-1])
 
 
 def _smooth(history: History) -> tuple[Array, Array]:
@@ -361,7 +329,7 @@ def _smooth(history: History) -> tuple[Array, Array]:
     t, V = time[first:], ratio[first:]
     lengths = np.hypot(np.diff(t) / np.ptp(t), np.diff(V) / (np.ptp(V) or 1.0))
     s = np.append(0.0, np.cumsum(lengths))
-    t, V = (_hermite(x, lengths, np.gradient(x, s, edge_order=2)) for x in (t, V))
+    t, V = (hermite(x, lengths, np.gradient(x, s, edge_order=2), _FINER) for x in (t, V))
     return np.append(time[:first], t), np.append(ratio[:first], V)
 
 

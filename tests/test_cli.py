@@ -77,8 +77,9 @@ def tree(folder: Path) -> set[str]:
 
 FILES = {
     "scene.toml", "history.csv", "profiles.npz", "run.json", "figures/shapes.png",
-    "figures/volume.png",
+    "figures/volume.png", "surface.pvd", "surface/0000.vtu",
 }  # fmt: skip
+TWO_SAVED = FILES | {"surface/0001.vtu"}
 
 
 # A run that finishes --------------------------------------------------------------------------
@@ -88,7 +89,7 @@ def test_run_leaves_its_folder_and_says_so(here: Path) -> None:
     result = call("run", "small.toml")
     assert (result.exit_code, result.stderr) == (0, "")
     folder = here / "out" / "small"
-    assert tree(folder) == FILES
+    assert tree(folder) == TWO_SAVED
     history = load_history(folder)
     expected = [f"{t} min: V/V0 = {history.at(t).volume_ratio:.6f}" for t in (10, 20)]
     assert result.stdout.splitlines() == [*expected, "finished, see out/small"]
@@ -170,8 +171,9 @@ def test_plot_draws_what_is_there(here: Path) -> None:
         file.write("21.0,0.2")
     result = call("plot", "run")
     assert result.exit_code == 0
-    assert result.stdout.splitlines() == ["run/figures/shapes.png", "run/figures/volume.png"]
-    assert tree(folder) == FILES - {"run.json"}
+    made = ["figures/shapes.png", "figures/volume.png", "surface.pvd"]
+    assert result.stdout.splitlines() == [f"run/{name}" for name in made]
+    assert tree(folder) == TWO_SAVED - {"run.json"}
     (folder / "profiles.npz").unlink()
     (folder / "history.csv").write_text("")
     assert call("plot", "run").exit_code == 2
@@ -287,7 +289,7 @@ def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
     assert "no equilibrium" in result.stderr and result.stderr.count("\n") == 1
     assert result.stdout.splitlines()[-1] == "no-equilibrium, see out/small"
     folder = here / "out" / "small"
-    assert tree(folder) == FILES
+    assert tree(folder) == TWO_SAVED
     assert load_status(folder) == "no-equilibrium"
     history, profiles = load_history(folder), load_profiles(folder)
     assert [profile.time for profile in profiles] == [40, history.time_min[-1]]
