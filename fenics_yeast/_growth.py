@@ -81,12 +81,45 @@ class Zone(_Stretch):
         return self
 
 
+class Polarity(Table):
+    """How growth falls off around a point, as a Gaussian of the arc length from it.
+
+    Around a fixed point of the wall (`follow = "point"`: a pole, or `centre`) the arc length is
+    that of the unloaded wall, so that the pattern is carried along by the wall. With
+    `follow = "tip"` it is that of the grown wall from its pole: the pattern stays at the tip, in
+    its size, and the wall moves out of it.
+    """
+
+    pole: Literal["top", "bottom"] = Field(default="top", description="pole around which it lies")
+    centre: Length | None = Field(
+        default=None, ge=0, description="arc length of the point, in place of a pole (µm)"
+    )
+    width: Length = Field(gt=0, description="standard deviation of the Gaussian (µm)")
+    weight: Literal["rate", "threshold"] = Field(
+        default="rate", description="what is weighted: rate times, or threshold over the Gaussian"
+    )
+    follow: Literal["point", "tip"] = Field(
+        default="point", description="whether it stays at a point of the wall or at the tip"
+    )
+
+    @model_validator(mode="after")
+    def _one_centre(self) -> Self:
+        if self.centre is not None and "pole" in self.model_fields_set:
+            raise refusal("", allowed="either pole or centre is wanted", key="centre")
+        if self.centre is not None and self.follow == "tip":
+            raise refusal("", allowed="the tip is a pole: leave out centre or follow", key="centre")
+        return self
+
+
 class Growth(_Span):
     """Growth of a part of the wall where its stress exceeds a threshold, equations (12)-(13)."""
 
     zone: Zone = Field(description="the part of the wall that grows")
     threshold: Pressure = Field(gt=0, description="stress σ_trs above which it grows (MPa)")
     time: Time = Field(gt=0, description="characteristic time t_grw of growth (min)")
+    polarity: Polarity | None = Field(
+        default=None, description="how growth falls off around a point; left out: evenly spread"
+    )
 
     @model_validator(mode="after")
     def _ends_after_it_begins(self) -> Self:

@@ -26,9 +26,13 @@ from .zones import Interval, Intervals, apart, edges, intervals, merged
 
 if TYPE_CHECKING:
     from ._cell import AnyCell
+    from ._growth import Polarity
     from .scene import Scene
 
 Array = NDArray[np.float64]
+
+
+_NEAREST = 1e-3  # part of the width of a tip down to which cells get smaller towards it
 
 
 @dataclass(frozen=True)
@@ -93,8 +97,13 @@ def discretise(scene: Scene) -> Discretisation:
     inner = apart([*edges([part for parts in growing for part in parts], curve), *curve.joints])
     outer = [s for s, end in zip((0.0, curve.length), ends, strict=True) if end != "pole"]
     layer = float(np.sqrt(scene.cell.radius * scene.wall.thickness))
-    graded = scene.numerics.grading == "graded"
-    density = _graded(grows, [*inner, *outer], layer) if graded else np.ones_like
+    density: Callable[[Array], Array] = np.ones_like
+    if scene.numerics.grading == "graded":
+        tips = [polarity for zone in scene.growing if (polarity := zone.polarity) is not None]
+        points = [_Point(_centre(tip, curve), tip.width, tip.follow == "tip") for tip in tips]
+        density = _graded(grows, [*inner, *outer], layer, points)
+        near = [s for point in points for s in point.fixed]
+        inner = apart([*inner, *(s for s in near if 0 < s < curve.length)])
     nodes = place_nodes(curve.length, inner, scene.numerics.elements, density)
     cut, places = curve, nodes
     if scene.numerics.geometry == "conical":
@@ -108,7 +117,43 @@ def discretise(scene: Scene) -> Discretisation:
     return Discretisation(cut, places, tuple(map(at_nodes, growing)), ends)
 
 
-def _graded(growing: Intervals, edges: Sequence[float], layer: float) -> Callable[[Array], Array]:
+@dataclass(frozen=True)
+class _Point:
+    """A point around which growth is polarised, with its width in µm."""
+
+    S: float
+    width: float
+    follows_tip: bool
+
+    def density(self, S: Array) -> Array:
+        """Cells for the Gaussian; at a tip as many for each decade of the distance from it.
+
+        What is a thousandth of the width from the tip at first makes up the tip's dome once the
+        cell has grown by six widths.
+        """
+        distance = np.abs(S - self.S) / self.width
+        if self.follows_tip:
+            return 60 / (distance + _NEAREST)
+        return 30 / (1 + distance**2)
+
+    @property
+    def fixed(self) -> list[float]:
+        """Arc lengths that are nodes, so that cells fit a density which is steep at a tip."""
+        if not self.follows_tip:
+            return []
+        inward = 1 if self.S == 0 else -1
+        return [self.S + inward * self.width * part for part in (_NEAREST, 0.01, 0.1)]
+
+
+def _centre(polarity: Polarity, curve: Curve) -> float:
+    if polarity.centre is not None:
+        return polarity.centre
+    return 0.0 if polarity.pole == "bottom" else curve.length
+
+
+def _graded(
+    growing: Intervals, edges: Sequence[float], layer: float, points: Sequence[_Point]
+) -> Callable[[Array], Array]:
     """Density of cells: more of them where the wall grows and in the boundary layers.
 
     The numbers are the best of those tried on three growing buds.
@@ -120,6 +165,8 @@ def _graded(growing: Intervals, edges: Sequence[float], layer: float) -> Callabl
             weight += 12 * part.holds(S)
         for edge in edges:
             weight += 40 / (1 + ((S - edge) / (0.35 * layer)) ** 2)
+        for point in points:
+            weight += point.density(S)
         return weight
 
     return density

@@ -17,7 +17,7 @@ from typing import Any, Self
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from fenics_yeast._cell import AnyCell, Cell
-from fenics_yeast._growth import Growth, OneOrMore, Zone
+from fenics_yeast._growth import Growth, OneOrMore, Polarity, Zone
 from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from fenics_yeast._quantities import refusal
 from fenics_yeast._run import Control, Run, StaticPath, Until
@@ -37,6 +37,7 @@ __all__ = [
     "LinearWall",
     "Numerics",
     "OgdenWall",
+    "Polarity",
     "Preset",
     "PressureTable",
     "Run",

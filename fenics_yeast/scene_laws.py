@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,9 @@ from numpy.typing import NDArray
 from . import growth, wall
 from ._wall import AnyWall
 from .laws import Law, Parameter
-from .meridian import Discretisation
-from .scene import LinearWall, OgdenWall, Scene, Wall
-from .weights import Weight, Weights
+from .meridian import Discretisation, reference_curve
+from .scene import Growth, LinearWall, OgdenWall, Scene, Wall
+from .weights import Bump, Weight, Weights
 from .zones import Intervals
 
 Array = NDArray[np.float64]
@@ -49,10 +48,29 @@ def growth_law(scene: Scene, cut: Discretisation) -> Law | None:
         "sigma_trs": by_zone(cut.zones, [zone.threshold for zone in scene.growing]),
         "t_grw": by_zone(cut.zones, [zone.time for zone in scene.growing]),
     }
-    if any(zone.span != (0.0, inf) for zone in scene.growing):
-        zones = zip(cut.zones, scene.growing, strict=True)
-        parameters["of_rate"] = Weights(tuple(Weight(parts, zone.span) for parts, zone in zones))
+    rates, stresses = [], []
+    for parts, zone in zip(cut.zones, scene.growing, strict=True):
+        bump, of_rate = _bump(zone, scene, cut), zone.polarity and zone.polarity.weight == "rate"
+        rates.append(Weight(parts, zone.span, bump if of_rate else None))
+        stresses.append(Weight(parts, bump=None if of_rate else bump))
+    for name, weights in (("of_rate", rates), ("of_stress", stresses)):
+        if any(weight != Weight(weight.parts) for weight in weights):
+            parameters[name] = Weights(tuple(weights))
     return Law(growth.stress_driven, parameters)
+
+
+def _bump(zone: Growth, scene: Scene, cut: Discretisation) -> Bump | None:
+    """How growth of a zone falls off around a point."""
+    polarity = zone.polarity
+    if polarity is None:
+        return None
+    if polarity.follow == "tip":
+        return Bump(polarity.pole, polarity.width)
+    centre = polarity.centre
+    if centre is None:
+        return Bump(0.0 if polarity.pole == "bottom" else cut.curve.length, polarity.width)
+    # Straight elements are a little shorter than the curve whose arc length was given.
+    return Bump(centre * cut.curve.length / reference_curve(scene.cell).length, polarity.width)
 
 
 def by_zone(zones: Sequence[Intervals], values: Sequence[float], outside: float = 1.0) -> Parameter:

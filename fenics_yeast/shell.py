@@ -176,8 +176,8 @@ class Shell:
     def _coefficient(self, value: Parameter) -> Any:
         """A parameter of a law as a constant, or as a function given at the quadrature points."""
         if isinstance(value, Weights):
-            cells = self.growing_cells
-            field = WeightField(self.mesh, cells, self.degree, self.quadrature_S, value)
+            place = (self.mesh, self.growing_cells, self.degree, self.quadrature_S)
+            field = WeightField(*place, kinematics.stretch(self._strain[0]), value)
             self._growth_weights.append(field)
             return field.function
         if not callable(value):

@@ -1,6 +1,6 @@
 """Weights of growth: a field `w(S, t)` at the growing points, by which growth is multiplied.
 
-It says when a zone grows and how growth falls off around a point.
+It says when a zone grows, and how growth falls off around a point.
 """
 
 from __future__ import annotations
@@ -8,20 +8,42 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _dolfinx as dx
+from .arc_length import ArcLength
 from .zones import Intervals
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Bump:
+    """A Gaussian of the arc length from a point.
+
+    Attributes
+    ----------
+    centre
+        Arc length of the point along the unloaded wall in µm; or the pole of the current one
+        from which arc lengths along the current wall count.
+    width
+        Standard deviation in µm.
+    """
+
+    centre: float | Literal["bottom", "top"]
+    width: float
+
+    def at(self, distance: Array) -> Array:
+        """Weight at some arc lengths from the centre in µm."""
+        return np.exp(-((distance / self.width) ** 2) / 2)
+
+
+@dataclass(frozen=True)
 class Weight:
-    """Weight of growth in one zone: 1 in its time, and 0 before and after.
+    """Weight of growth in one zone: 1 or a Gaussian in its time, 0 before and after.
 
     Attributes
     ----------
@@ -29,10 +51,13 @@ class Weight:
         Where it holds.
     span
         When growth begins and ends, min.
+    bump
+        How it falls off; None: it is 1.
     """
 
     parts: Intervals
     span: tuple[float, float] = (0.0, inf)
+    bump: Bump | None = None
 
     def grows(self, start: float, end: float) -> bool:
         """Whether there is growth between two times; at one time, whether there is right after."""
@@ -50,6 +75,10 @@ class Weights:
 class WeightField:
     """Weights at the quadrature points of the growing cells.
 
+    A weight that follows the tip depends on the shape of the whole wall. It is that of the trial
+    state whenever growth is updated, in every stage and every iteration, so that methods in time
+    keep their order; its derivative is left out of the tangents.
+
     Parameters
     ----------
     mesh
@@ -60,6 +89,8 @@ class WeightField:
         Degree of the quadrature rule.
     S
         Arc length of the quadrature points of all local cells, shape ``(cells, points)``.
+    stretch
+        Stretch of the meridian, in UFL.
     weights
         Weights of the zones.
 
@@ -70,15 +101,24 @@ class WeightField:
     """
 
     def __init__(
-        self, mesh: Any, cells: NDArray[np.int32], degree: int, S: Array, weights: Weights
+        self,
+        mesh: Any,
+        cells: NDArray[np.int32],
+        degree: int,
+        S: Array,
+        stretch: Any,
+        weights: Weights,
     ) -> None:
         space = dx.quadrature_space(mesh, 1, degree)
         field = dx.fem.Function(space)
         self.function = field[0]
-        self._values, self._dofs = field.x.array, dx.dof_array(space)[cells]
+        self._values, dofs = field.x.array, dx.dof_array(space)
         self._zones = weights.zones
-        middle = S[cells].mean(axis=1)
-        self._held = [np.any([p.holds(middle) for p in w.parts], axis=0) for w in self._zones]
+        self._places = [_held(S, cells, weight.parts) for weight in self._zones]
+        self._dofs = [dofs[held] for held in self._places]
+        self._S = S
+        moving = [w for w in self._zones if w.bump and isinstance(w.bump.centre, str)]
+        self._arc_length = ArcLength(mesh, degree, stretch) if moving else None
         self._grows: Sequence[bool] = ()
         self.during(0.0, 0.0)
 
@@ -88,8 +128,27 @@ class WeightField:
         if grows == self._grows:
             return
         self._grows = grows
-        for held, on in zip(self._held, grows, strict=True):
-            self._values[self._dofs[held]] = float(on)
+        for weight, on, held, dofs in self._each():
+            if weight.bump is None or not on:
+                self._values[dofs] = float(on)
+            elif not isinstance(weight.bump.centre, str):
+                self._values[dofs] = weight.bump.at(self._S[held] - weight.bump.centre)
 
     def update(self) -> None:
         """Bring the weights up to the trial state."""
+        if self._arc_length is None:
+            return
+        s, whole = self._arc_length.at_points()
+        for weight, on, held, dofs in self._each():
+            if on and weight.bump is not None and isinstance(weight.bump.centre, str):
+                distance = s[held] if weight.bump.centre == "bottom" else whole - s[held]
+                self._values[dofs] = weight.bump.at(distance)
+
+    def _each(self) -> Any:
+        return zip(self._zones, self._grows, self._places, self._dofs, strict=True)
+
+
+def _held(S: Array, cells: NDArray[np.int32], parts: Intervals) -> NDArray[np.int32]:
+    """Those of some cells that lie in some parts of the meridian."""
+    middle = S[cells].mean(axis=1)
+    return cells[np.any([part.holds(middle) for part in parts], axis=0)]
