@@ -102,15 +102,16 @@ class Scene(Table):
             raise refusal("", allowed=allowed, key="run")
         key = "growth.{}.zone" if isinstance(self.growth, tuple) else "growth.zone"
         self._have_places([growth.zone for growth in self.growing], key)
+        for i, growth in enumerate(self.growing):
+            if growth.polarity is not None:
+                self._has_centre(growth.polarity, key.format(i).replace("zone", "polarity"))
         return self
 
     def _have_places(self, zones: Sequence[Zone], key: str) -> None:
         """Refuse zones that are not on the cell or overlap; their key has a place for a number."""
         for i, zone in enumerate(zones):
             for pole in ("top", "bottom") if zone.pole == "both" else (zone.pole,):
-                if pole is not None and pole not in self.cell.poles:
-                    allowed = f"a {self.cell.shape} has no {pole} pole"
-                    raise refusal("", allowed=allowed, key=f"{key.format(i)}.pole")
+                self._has_pole(pole, key.format(i))
         if len(zones) == 0 or (len(zones) == 1 and zones[0].pole in ("top", "bottom")):
             return  # which asks for no reference curve
         from fenics_yeast.meridian import reference_curve
@@ -118,6 +119,23 @@ class Scene(Table):
 
         if (found := misplaced(zones, reference_curve(self.cell))) is not None:
             raise refusal("", allowed=found[1], key=key.format(found[0]))
+
+    def _has_centre(self, polarity: Polarity, key: str) -> None:
+        """Refuse a polarity around a point that is not on the cell."""
+        if polarity.centre is None:
+            self._has_pole(polarity.pole, key)
+            return
+        from fenics_yeast.meridian import reference_curve
+
+        length = reference_curve(self.cell).length
+        if polarity.centre > length:
+            allowed = f"the meridian ends at {length:.6g} µm"
+            raise refusal("", allowed=allowed, key=f"{key}.centre")
+
+    def _has_pole(self, pole: str | None, key: str) -> None:
+        if pole is not None and pole not in self.cell.poles:
+            allowed = f"a {self.cell.shape} has no {pole} pole"
+            raise refusal("", allowed=allowed, key=f"{key}.pole")
 
     @property
     def growing(self) -> tuple[Growth, ...]:

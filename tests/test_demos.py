@@ -65,10 +65,27 @@ def speed_against_error(text: str) -> None:
     assert all(float(found) < float(wanted) for wanted, found in rows)
 
 
+def tip_growth(text: str) -> None:
+    """The tube has left its spore: its radius and its speed are those of the balance.
+
+    The balance is that of a membrane without elastic strain; those of the shell are 0.5 %.
+    """
+    balance = re.search(r"radius (\S+) µm, speed (\S+) µm/min", text)
+    rows = re.findall(r"(\d+) min: tube radius (\S+) µm, speed of the tip (\S+) µm/min", text)
+    assert balance is not None and [int(time) for time, _, _ in rows] == list(range(5, 41, 5))
+    radius, speed = (float(value) for value in balance.groups())
+    assert (radius, speed) == pytest.approx((1.5332, 0.24861), rel=1e-4)
+    for _, tube, advance in rows[-2:]:
+        assert float(tube) == pytest.approx(radius, rel=7e-3)
+        assert float(advance) == pytest.approx(speed, rel=2e-3)
+    assert float(rows[1][1]) > 1.3 * radius  # the tube chooses its radius, not the spore
+
+
 NUMBERS: dict[str, Callable[[str], None]] = {
     "speed_against_error": speed_against_error,
     "fig6_threshold": fig6,  # the longest first: two run at a time
     "fig5_growth_time": fig5,
+    "tip_growth": tip_growth,
     "fig4_bud": fig4,
     "balloon": balloon,
 }
