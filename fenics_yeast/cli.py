@@ -200,35 +200,36 @@ def check(scene_file: SceneFile) -> None:
 
 @app.command()
 def plot(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Output folder of a run.")],
+    directory: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Output folder of a run or a sweep.")
+    ],
+    pdf: Annotated[bool, typer.Option("--pdf", help="Each figure as PDF too.")] = False,
+    film: Annotated[
+        bool,
+        typer.Option("--film", help="A film too, GIF and, where ffmpeg is, MP4: runs it again."),
+    ] = False,
 ) -> None:
-    """Draw the figures of a finished or a running output folder, or of a sweep's."""
+    """Draw the figures of an output folder, finished or still going.
+
+    Of a run: shapes, volume, stress and growth along the meridian, and the surfaces for ParaView.
+    """
+    from .film import FilmError
+    from .gallery import draw_folder
     from .output import OutputError, writing
 
     try:
         with writing(directory):
-            drawn = _draw(directory)
-    except (SceneError, OutputError) as error:
+            drawn = draw_folder(directory, pdf=pdf, moving=film)
+    except (SceneError, OutputError, FilmError) as error:
         fail(str(error), BAD_INPUT)
+    except ImportError as error:
+        fail(str(error), BROKEN)
+    except KeyboardInterrupt:
+        fail("interrupted", INTERRUPTED)
     if not drawn:
         fail(f"{directory}: nothing to draw yet; wait for the first saved time", BAD_INPUT)
     for path in drawn:
         typer.echo(path)
-
-
-def _draw(directory: Path) -> list[Path]:
-    from . import plots, sweep_plots
-    from .output import load_error_bars, load_history, load_profiles, load_scene, load_status
-    from .surface import write_surfaces
-    from .sweep_table import TABLE
-
-    if (directory / TABLE).exists():
-        return sweep_plots.draw(directory)
-    scene, status = load_scene(directory), load_status(directory)
-    profiles = load_profiles(directory)  # before the history, which is ahead of them
-    history, bars = load_history(directory), load_error_bars(directory)
-    drawn = plots.draw(directory, scene, history, profiles, status, bars)
-    return [*drawn, write_surfaces(directory, scene, profiles)] if len(profiles) else drawn
 
 
 def _load(scene_file: Path, assignments: list[str] | None) -> Scene:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ._figures import COLOURS, figure_of
 from .output import load_history, load_scene
-from .plots import COLOURS, Curve, figure_of, pressures, volumes
+from .plots import Curve, pressures, volumes
 from .sweep import unit_symbol, value_label
 from .sweep_table import CaseRow, read_table
 
@@ -20,7 +21,7 @@ FIGURE = "sweep.png"  # within the folder of the sweep
 _MOST_LABELS = 12  # cells along an axis whose volumes are written into them
 
 
-def draw(directory: Path) -> list[Path]:
+def draw(directory: Path, suffix: str = ".png") -> list[Path]:
     """Draw the figure of a sweep's folder, finished or still going.
 
     Returns
@@ -37,7 +38,7 @@ def draw(directory: Path) -> list[Path]:
     rows = [row for row in rows if row.end_ratio is not None]
     if not rows or len(keys) > 2:
         return []
-    path = directory / FIGURE
+    path = (directory / FIGURE).with_suffix(suffix)
     scene = load_scene(directory / rows[0].case)
     labels = [_label(key, unit_symbol(scene, key)) for key in keys]
     if len(keys) == 2:
