@@ -171,9 +171,9 @@ def test_plot_draws_what_is_there(here: Path) -> None:
         file.write("21.0,0.2")
     result = call("plot", "run")
     assert result.exit_code == 0
-    made = ["figures/shapes.png", "figures/volume.png", "surface.pvd"]
+    made = [f"figures/{name}.png" for name in ("shapes", "volume", "meridian")] + ["surface.pvd"]
     assert result.stdout.splitlines() == [f"run/{name}" for name in made]
-    assert tree(folder) == TWO_SAVED - {"run.json"}
+    assert tree(folder) == TWO_SAVED - {"run.json"} | {"figures/meridian.png"}
     (folder / "profiles.npz").unlink()
     (folder / "history.csv").write_text("")
     assert call("plot", "run").exit_code == 2
