@@ -50,6 +50,7 @@ __all__ = [
     "create_matrix",
     "dof_array",
     "end_dofs",
+    "end_tag",
     "evaluate",
     "fem",
     "interval_mesh",
@@ -121,6 +122,16 @@ def cell_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
     """Tags of all local cells, ghosts among them."""
     cells = np.arange(len(values), dtype=np.int32)
     return dolfinx.mesh.meshtags(mesh, mesh.topology.dim, cells, values)
+
+
+def end_tag(mesh: Any, S: float) -> Any:
+    """Tag 1 at the end of the mesh with arc length `S`."""
+    tolerance = 1e-9 * max(abs(S), 1.0)
+    vertices = dolfinx.mesh.locate_entities_boundary(
+        mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
+    )
+    ones = np.ones(len(vertices), dtype=np.int32)
+    return dolfinx.mesh.meshtags(mesh, 0, vertices, ones)
 
 
 def cell_vertices(mesh: Any) -> NDArray[np.int32]:

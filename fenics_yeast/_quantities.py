@@ -95,11 +95,13 @@ class Unit:
 LENGTH = Unit("a length", "µm", '"100 nm"')
 PRESSURE = Unit("a pressure or stress", "MPa", '"2 atm"')
 TIME = Unit("a time", "min", '"45 min"')
+FORCE = Unit("a force", "µN", '"1 uN"')
 ANGLE = Unit("an angle", "degrees", '"24 deg"')
 
 Length = Annotated[float, BeforeValidator(LENGTH.read), LENGTH]
 Pressure = Annotated[float, BeforeValidator(PRESSURE.read), PRESSURE]
 Time = Annotated[float, BeforeValidator(TIME.read), TIME]
+Force = Annotated[float, BeforeValidator(FORCE.read), FORCE]
 Angle = Annotated[float, BeforeValidator(ANGLE.read), ANGLE]
 
 

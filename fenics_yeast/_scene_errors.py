@@ -7,6 +7,7 @@ from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from fenics_yeast._quantities import Unit
@@ -68,10 +69,21 @@ def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str
 def _look_up(data: Any, path: _Path) -> object:
     for part in path:
         try:
-            data = getattr(data, str(part)) if isinstance(data, BaseModel) else data[part]
+            data = value_of(data, str(part)) if isinstance(data, BaseModel) else data[part]
         except (AttributeError, LookupError, TypeError):
             return _ABSENT
     return data
+
+
+def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Fields of a table by the names that they have in a scene file."""
+    return {field.alias or name: field for name, field in model.model_fields.items()}
+
+
+def value_of(table: BaseModel, key: str) -> object:
+    """Value of a table at a key that it has in a scene file; AttributeError if it has none."""
+    names = {field.alias: name for name, field in type(table).model_fields.items() if field.alias}
+    return getattr(table, names.get(key, key))
 
 
 def _models_of(annotation: Any) -> list[type[BaseModel]]:
@@ -84,7 +96,7 @@ def _models_of(annotation: Any) -> list[type[BaseModel]]:
 
 def _kind_key(annotation: Any) -> str:
     """Key whose value tells several kinds of table apart: a choice that differs among them."""
-    tables = [model.model_fields for model in _models_of(annotation)]
+    tables = [fields_of(model) for model in _models_of(annotation)]
     return next(
         key
         for key, field in tables[0].items()
@@ -99,10 +111,10 @@ def _model_of(annotation: Any, value: object = None) -> type[BaseModel] | None:
     if len(models) > 1:
         key = _kind_key(annotation)
         kind = _look_up(value, (key,))
-        alike = [m for m in models if kind in get_args(m.model_fields[key].annotation)]
-        alike = alike or [m for m in models if not m.model_fields[key].is_required()]
+        alike = [m for m in models if kind in get_args(fields_of(m)[key].annotation)]
+        alike = alike or [m for m in models if not fields_of(m)[key].is_required()]
         keys = set(value) if isinstance(value, Mapping) else set()
-        models = sorted(alike or models, key=lambda m: -len(keys & set(m.model_fields)))
+        models = sorted(alike or models, key=lambda m: -len(keys & set(fields_of(m))))
     return models[0] if models else None
 
 
@@ -132,10 +144,10 @@ def _field_at(model: type[BaseModel], data: object, path: _Path) -> tuple[Any, l
             models = _models_of(annotation)
             key = _kind_key(annotation) if len(models) > 1 else None
             if part == key:  # one of the kinds
-                kinds = [k for m in models for k in get_args(m.model_fields[key].annotation)]
+                kinds = [k for m in models for k in get_args(fields_of(m)[key].annotation)]
                 kinds = list(dict.fromkeys(kinds))
                 annotation, metadata = Literal[tuple(kinds)], []
-            elif field := (_model_of(annotation, value) or model).model_fields.get(part):
+            elif field := fields_of(_model_of(annotation, value) or model).get(part):
                 annotation, metadata = field.annotation, field.metadata
         value = _look_up(value, (part,))
     return annotation, metadata
@@ -175,15 +187,15 @@ def _nearest(model: type[BaseModel], data: object, path: _Path) -> str:
     *parents, key = path
     table, value = model, data
     for part in parents:
-        field, value = table.model_fields.get(str(part)), _look_up(value, (part,))
+        field, value = fields_of(table).get(str(part)), _look_up(value, (part,))
         table = (_model_of(field.annotation, value) if field else None) or table
-    if near := difflib.get_close_matches(str(key), table.model_fields, n=1):
+    if near := difflib.get_close_matches(str(key), fields_of(table), n=1):
         return f"unknown key; did you mean {key_text((*parents, near[0]))}?"
-    for name, field in model.model_fields.items():
+    for name, field in fields_of(model).items():
         other = _model_of(field.annotation)
-        if other and key in other.model_fields:
+        if other and key in fields_of(other):
             return f"unknown key; did you mean {name}.{key}?"
-    return f"unknown key; known here: {', '.join(table.model_fields)}"
+    return f"unknown key; known here: {', '.join(fields_of(table))}"
 
 
 def key_text(path: _Path) -> str:

@@ -79,6 +79,8 @@ class Equations:
         dx.fem.assemble_vector(self._b, form)
         dx.accumulate(self._assembled)
         out[:] = self._b[: self.owned]
+        if form is self.shell.residual and self.shell.force is not None:
+            self.shell.force.add_to(out)
         out[self._held] = 0
 
 

@@ -71,6 +71,8 @@ class Journal:
             step_min=step,
             newton_iterations=iterations,
             stable=stable,
+            force_uN=0.0 if shell.force is None else shell.force.value,
+            displacement_um=0.0 if shell.force is None else shell.force.displacement(),
         )
         self._accepted, self._saved = (shell.snapshot(), pressure), False
         self.rows.append(row)

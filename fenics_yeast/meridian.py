@@ -52,6 +52,8 @@ class Discretisation:
         What the lower and the upper end are: a pole, a free edge, or how an edge is held.
     wall_zones
         Parts that each zone of the wall covers, as `zones`.
+    loaded
+        Node at which a force acts, in µm of arc length; None where none does.
     """
 
     curve: Curve
@@ -59,6 +61,7 @@ class Discretisation:
     zones: tuple[Intervals, ...] = ()
     ends: tuple[End, End] = ("pole", "pole")
     wall_zones: tuple[Intervals, ...] = ()
+    loaded: float | None = None
 
     @property
     def growing(self) -> Intervals:
@@ -94,14 +97,18 @@ def discretise(scene: Scene) -> Discretisation:
     curve, ends = reference_curve(scene.cell), scene.cell.ends
     growing = [intervals(growth.zone, curve) for growth in scene.growing]
     grows = merged(part for parts in growing for part in parts)
-    inner = apart([*edges([part for parts in growing for part in parts], curve), *curve.joints])
+    loaded = _loaded(scene, curve)
+    load = [] if loaded is None else [loaded]
+    rings = [s for s in load if s < curve.length]
+    zone_edges = edges([part for parts in growing for part in parts], curve)
+    inner = apart([*zone_edges, *curve.joints, *rings])
     outer = [s for s, end in zip((0.0, curve.length), ends, strict=True) if end != "pole"]
     layer = float(np.sqrt(scene.cell.radius * scene.wall.thickness))
     density: Callable[[Array], Array] = np.ones_like
     if scene.numerics.grading == "graded":
         tips = [polarity for zone in scene.growing if (polarity := zone.polarity) is not None]
         points = [_Point(_centre(tip, curve), tip.width, tip.follow == "tip") for tip in tips]
-        density = _graded(grows, [*inner, *outer], layer, points)
+        density = _graded(grows, [*inner, *outer, *load], layer, points)
         near = [s for point in points for s in point.fixed]
         inner = apart([*inner, *(s for s in near if 0 < s < curve.length)])
     nodes = place_nodes(curve.length, inner, scene.numerics.elements, density)
@@ -114,7 +121,19 @@ def discretise(scene: Scene) -> Discretisation:
         stops = (places[[abs(nodes - s).argmin() for s in (p.start, p.end)]] for p in parts)
         return tuple(Interval(float(start), float(end)) for start, end in stops)
 
-    return Discretisation(cut, places, tuple(map(at_nodes, growing)), ends)
+    if loaded is not None:
+        loaded = float(places[abs(nodes - loaded).argmin()])
+    return Discretisation(cut, places, tuple(map(at_nodes, growing)), ends, loaded=loaded)
+
+
+def _loaded(scene: Scene, curve: Curve) -> float | None:
+    """Arc length in µm at which a scene's force acts.
+
+    A closed cell squeezed at its bottom pole is the one squeezed at its top pole, moved.
+    """
+    if scene.axial_load is None:
+        return None
+    return curve.length if scene.axial_load.at is None else scene.axial_load.at
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,14 @@ def overloaded(limit: float, time: float | None = None) -> Outcome:
     )
 
 
+def overloaded_by_force(limit: float) -> Outcome:
+    """The wall finds no equilibrium beyond a limit force in µN."""
+    return Outcome(
+        "no-equilibrium",
+        f"no equilibrium: the wall bears no more than its limit force, {limit:.6g} µN",
+    )
+
+
 def worn_out(row: Row) -> Outcome:
     """The wall has grown to a limit point; `row` is the last state before."""
     why = "the wall has grown so soft that it can no longer carry the turgor"

@@ -19,7 +19,8 @@ class Row:
     """One accepted state of the history; the names carry the units.
 
     Where nothing grows, the radii of bud and neck are 0. A state is `stable` if no small
-    axisymmetric perturbation at its growth and pressure would move it away.
+    axisymmetric perturbation at its growth and loads would move it away. Force and displacement
+    are those of the table `[load]`, 0 without it.
     """
 
     time_min: float
@@ -34,6 +35,8 @@ class Row:
     step_min: float
     newton_iterations: int
     stable: bool
+    force_uN: float = 0.0
+    displacement_um: float = 0.0
 
 
 COLUMNS = tuple(field.name for field in fields(Row))
@@ -57,6 +60,8 @@ class History:
     step_min: Array
     newton_iterations: NDArray[np.int64]
     stable: NDArray[np.bool_]
+    force_uN: Array
+    displacement_um: Array
 
     def __init__(self, rows: Iterable[Row]) -> None:
         self.rows: Sequence[Row] = tuple(rows)

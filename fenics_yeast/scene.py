@@ -18,6 +18,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from fenics_yeast._cell import AnyCell, Cell
 from fenics_yeast._growth import Growth, OneOrMore, Polarity, Zone
+from fenics_yeast._load import Load
 from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from fenics_yeast._quantities import refusal
 from fenics_yeast._run import Control, Run, StaticPath, Until
@@ -35,6 +36,7 @@ __all__ = [
     "Growth",
     "Integrator",
     "LinearWall",
+    "Load",
     "Numerics",
     "OgdenWall",
     "Polarity",
@@ -65,6 +67,9 @@ class Scene(Table):
     cell: AnyCell = Field(description="shape of the unloaded cell")
     wall: AnyWall = Field(description="the cell wall")
     turgor: Turgor = Field(description="pressure inside the cell")
+    axial_load: Load | None = Field(  # `load` reads a file
+        default=None, alias="load", description="a force along the axis; None: turgor alone"
+    )
     growth: OneOrMore | None = Field(
         default=None, description="growth of the wall, of one zone or more; None: an elastic scene"
     )
@@ -89,6 +94,7 @@ class Scene(Table):
         if not self.wall.bending and not self.cell.stiff_without_bending:
             allowed = "a flat ring without bending bears nothing; give it a height, or bending"
             raise refusal("", allowed=allowed, key="wall.bending")
+        self._bears_its_load()
         if self.path is not None:
             for table in ("run", "growth"):
                 if getattr(self, table) is not None:
@@ -106,6 +112,37 @@ class Scene(Table):
             if growth.polarity is not None:
                 self._has_centre(growth.polarity, key.format(i).replace("zone", "polarity"))
         return self
+
+    def _bears_its_load(self) -> None:
+        """Refuse a load that the cell has no place for, and paths that it cannot follow."""
+        load, path, shape = self.axial_load, self.path, self.cell.shape
+        if path is not None:
+            if path.until.of_load and load is None:
+                allowed = 'a table [load] is wanted, e.g. point_force = "-1 uN"'
+                raise refusal("", allowed=allowed, key="load")
+            ratio = path.until.volume_ratio
+            if ratio is not None and ratio <= 0 and self.cell.closed:
+                allowed = "a number greater than 0 is wanted: a closed cell keeps a volume"
+                raise refusal("", allowed=allowed, key="path.until.volume_ratio")
+        if load is None:
+            return
+        if load.point_force is not None and load.pole not in self.cell.poles:
+            allowed = f"a {shape} has no {load.pole} pole; give it a ring_force"
+            raise refusal("", allowed=allowed, key="load.pole")
+        if load.point_force is not None and not self.wall.bending:
+            allowed = "a membrane gives way to a point force; give it a ring_force, or bending"
+            raise refusal("", allowed=allowed, key="load.point_force")
+        if load.ring_force is None:
+            return
+        if load.at is None and self.cell.ends[1] != "free":
+            allowed = "the arc length of the ring is wanted: the upper end is no free edge"
+            raise refusal("", allowed=allowed, key="load.at")
+        from fenics_yeast.meridian import reference_curve
+
+        length = reference_curve(self.cell).length
+        if load.at is not None and load.at >= length:
+            allowed = f"an arc length less than that of the meridian ({length:.6g} µm) is wanted"
+            raise refusal("", allowed=allowed, key="load.at")
 
     def _have_places(self, zones: Sequence[Zone], key: str) -> None:
         """Refuse zones that are not on the cell or overlap; their key has a place for a number."""
@@ -216,7 +253,7 @@ class Scene(Table):
         """Write the scene as TOML with every default spelled out, in µm, MPa, min and degrees."""
         import tomli_w
 
-        tables = self.model_dump(exclude_none=True)
+        tables = self.model_dump(exclude_none=True, by_alias=True)
         if self.numerics.step is None:
             tables["numerics"]["step"] = "adaptive"
         return "# Units: µm, MPa, min, degrees.\n" + tomli_w.dumps(tables)
@@ -238,7 +275,7 @@ class Scene(Table):
         SceneError
             If a key is unknown or the changed scene is not valid.
         """
-        tables = self.model_dump(exclude_unset=True)
+        tables = self.model_dump(exclude_unset=True, by_alias=True)
         for dotted, value in values.items():
             *parents, key = dotted.split(".")
             table: Any = tables

@@ -16,6 +16,7 @@ from . import growth, kinematics, wall
 from ._cell import End
 from .growth_state import GrowthState
 from .laws import Law, Parameter
+from .load import NodalForce
 from .meridian import Discretisation
 from .point_field import PointField
 from .weights import WeightField, Weights
@@ -93,6 +94,8 @@ class Shell:
         Trial state `(u_r, u_z, β, Q)`, a function of the mixed space.
     pressure
         Turgor in MPa, a constant of the forms.
+    force
+        Force along the axis at a node, or None.
     bending, membrane_stiffness
         Whether the wall resists bending; `E h` of its size, in µN/µm.
     reference_volume
@@ -108,7 +111,7 @@ class Shell:
     residual, tangent, volume_gradient
         Compiled derivative of Π by the state; its second derivative at given growth, which is
         symmetric; derivative of the enclosed volume per 2π, which is minus that of the residual
-        by the pressure.
+        by the pressure (`pressure_force` where an edge is free, else None).
     consistent_tangent, stage_force
         Compiled derivatives of the residual, by the state and by the stage's length, when growth
         follows the strain in its stage; None for an elastic wall.
@@ -166,6 +169,9 @@ class Shell:
                 self._growth_weights,
             )
         self._derive()
+        self.force = None
+        if discretisation.loaded is not None:
+            self.force = NodalForce(self.w, self.comm, discretisation.loaded, thickness)
         self.reference_volume = self._reference_volume()
 
     # --- reference wall and boundary conditions -------------------------------------------
@@ -299,6 +305,15 @@ class Shell:
             tangent += ufl.dot(resultants, dD_E) * self._R * dS
             tangent += ufl.derivative(rest, self.w, dw)
         enclosed = self._enclosed * self._dS
+        # On an edge that may move along the axis pressure does not act on the opening, as the
+        # enclosed volume would have it: what is taken off has no potential.
+        opening = self._opening(v)
+        self.pressure_force = None
+        if opening is not None:
+            residual += self.pressure * opening
+            tangent += ufl.derivative(self.pressure * opening, self.w, dw)
+            force = opening - ufl.derivative(enclosed, self.w, v)
+            self.pressure_force = dx.compile_form(force)
         self.residual = dx.compile_form(residual)
         self.tangent = dx.compile_form(tangent)
         self.volume_gradient = dx.compile_form(ufl.derivative(enclosed, self.w, v))
@@ -312,6 +327,17 @@ class Shell:
             self.consistent_tangent = dx.compile_form(tangent)
             self.stage_force = dx.compile_form(ufl.dot(d_E, lengthened) * self._R * dS)
             self._dissipation = self._compile_dissipation(self.growth)
+
+    def _opening(self, v: Any) -> Any:
+        """Work of unit pressure on the opening of a free upper edge; None where there is none."""
+        if self.discretisation.ends[1] != "free":
+            return None
+        curve = self.discretisation.curve
+        tags = dx.end_tag(self.mesh, curve.length)
+        R = self._constant(float(curve.radius(np.array([curve.length]))[0]))
+        motion, change = (ufl.split(f)[0] if self.bending else f for f in (self.w, v))
+        ds = ufl.Measure("ds", domain=self.mesh, subdomain_data=tags)
+        return (R + motion[0]) ** 2 / 2 * change[_AXIAL] * ds(1)
 
     def _follow(self, state: GrowthState, by_growth: list[Any]) -> tuple[Any, Any]:
         """Derivatives of the resultants by strain and by stage that go through the growth update.

@@ -46,7 +46,7 @@ def build_shell(
     if scene.growth is None and growth_law is not None:
         raise ValueError("a growth law needs a scene with a table [growth], for its zone")
     cut = discretise(scene)
-    return Shell(
+    shell = Shell(
         cut,
         dx.MPI.COMM_WORLD if comm is None else comm,
         order=scene.numerics.order,
@@ -60,6 +60,9 @@ def build_shell(
         thinning=scene_laws.thinning(scene.wall),
         bending=scene.wall.bending,
     )
+    if shell.force is not None and scene.axial_load is not None:
+        shell.force.value = scene.axial_load.force
+    return shell
 
 
 def turgor(scene: Scene) -> Callable[[float], float]:

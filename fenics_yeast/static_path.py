@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import copysign, hypot
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from .shell import Shell
 from .volume_control import VolumeControl
 
 Array = NDArray[np.float64]
-Control = Literal["pressure", "volume", "arc-length"]
+Control = Literal["pressure", "volume", "arc-length", "force", "displacement"]
 
 _LEAST_STEP = 2.0**-10  # of the first one
 _MOST_POINTS = 20  # times the number of steps asked for
@@ -29,39 +29,55 @@ class PathError(RuntimeError):
 
 
 @dataclass(frozen=True)
+class Plane:
+    """The plane in which a path runs: what a load works on, and the load.
+
+    Attributes
+    ----------
+    load
+        `shell.pressure` or `shell.force`, whose value is the unknown.
+    amount_unit, load_unit
+        Units of the coordinates: volume in µm³ and pressure in MPa, or displacement in µm and
+        force in µN. An arc is as long as it is in these units.
+    """
+
+    load: Any
+    amount_unit: float
+    load_unit: float
+
+
+@dataclass(frozen=True)
 class Goal:
-    """Where a path ends: at a volume ratio or at a pressure in MPa; one of them is None."""
+    """Where a path ends: the coordinate that is given, 0 the amount and 1 the load, and its value.
 
-    volume_ratio: float | None = None
-    pressure: float | None = None
+    The value is in the unit of the coordinate.
+    """
 
-    def coordinate(self, unit: float) -> tuple[int, float]:
-        """Which coordinate of the plane of volume ratio and pressure it fixes, and its value."""
-        if self.volume_ratio is not None:
-            return 0, self.volume_ratio
-        return 1, (self.pressure or 0.0) / unit
+    axis: Literal[0, 1]
+    value: float
 
 
 def follow(
-    shell: Shell, control: Control, goal: Goal, steps: int, unit: float, tolerance: float
+    shell: Shell, plane: Plane, control: Control, goal: Goal, steps: int, tolerance: float
 ) -> Iterator[int]:
-    """Walk along the equilibria of an unloaded wall until a goal; yields Newton iterations.
+    """Walk along the equilibria of a wall under a growing load until a goal.
 
-    After each point the shell's trial state and pressure are those of the point.
+    Yields the Newton iterations of each point. After each point the shell's trial state and load
+    are those of the point.
 
     Parameters
     ----------
     shell
-        The wall, unloaded.
+        The wall in equilibrium, without this load.
+    plane
+        What the load is.
     control
-        What is prescribed from point to point: pressure, volume, or the length of the arc in the
-        plane of `V/V0` and of the pressure in its unit.
+        What is prescribed from point to point: the load, the amount that it works on, or the
+        length of the arc.
     goal
         Where the path ends; that point is hit exactly.
     steps
         Number of steps to begin with; they are cut where Newton's method fails.
-    unit
-        Pressure in MPa that counts as much as a doubling of the volume.
     tolerance
         Norm of the residual in µN at which it counts as zero.
 
@@ -70,33 +86,43 @@ def follow(
     PathError
         At a limit point that the control cannot pass, or where no step converges.
     """
-    volume_0 = shell.reference_volume
-    v, q = _place(shell, volume_0, unit)
-    points: deque[tuple[float, Array]] = deque([(0.0, _state(shell))], maxlen=3)
-    axis, target = goal.coordinate(unit)
-    span = target - (v, q)[axis]
-    step = whole = abs(span) / steps
-    along = np.array([copysign(1.0, span), 0.0])  # the first step is one in volume
-    if control == "pressure":
-        along = along[::-1]
-    with VolumeControl(shell, shell.pressure, tolerance) as solver:
+    with VolumeControl(shell, plane.load, tolerance) as solver:
+
+        def place() -> tuple[float, float]:
+            return solver.amount() / plane.amount_unit, plane.load.value / plane.load_unit
+
+        def solve(along: Array, target: float) -> int:
+            """Equilibrium where the point's projection on a direction has a given length."""
+            return solver.solve(
+                target,
+                by_amount=along[0] / plane.amount_unit,
+                by_parameter=along[1] / plane.load_unit,
+            )
+
+        v, q = place()
+        points = deque([(0.0, _state(shell, plane))], maxlen=3)
+        span = goal.value - (v, q)[goal.axis]
+        step = whole = abs(span) / steps
+        along = np.array([copysign(1.0, span), 0.0])  # the first step is one in the amount
+        if control in ("pressure", "force"):
+            along = along[::-1]
         for _ in range(_MOST_POINTS * steps):
             try:
-                _predict(shell, points, points[-1][0] + step)
-                iterations = _solve(solver, along, float(along @ (v, q)) + step, volume_0, unit)
-                new = _place(shell, volume_0, unit)
-                passed = _passed(goal, (v, q), new, unit)
-                if passed is not None:
-                    iterations += _solve(solver, *passed, volume_0, unit)
+                _predict(shell, plane, points, points[-1][0] + step)
+                iterations = solve(along, float(along @ (v, q)) + step)
+                new = place()
+                passed = (new[goal.axis] - goal.value) * ((v, q)[goal.axis] - goal.value) <= 0
+                if passed:
+                    iterations += solve(np.eye(2)[goal.axis], goal.value)
             except EquilibriumError as error:
-                _set_state(shell, points[-1][1])
+                _set_state(shell, plane, points[-1][1])
                 step /= 2
                 if step < _LEAST_STEP * whole:
                     raise PathError(f"no step from here converged: {error}") from error
                 continue
-            points.append((points[-1][0] + step, _state(shell)))
+            points.append((points[-1][0] + step, _state(shell, plane)))
             yield iterations
-            if passed is not None:
+            if passed:
                 return
             if control == "arc-length":
                 along = np.array([new[0] - v, new[1] - q]) / hypot(new[0] - v, new[1] - q)
@@ -104,44 +130,24 @@ def follow(
     raise PathError(f"{_MOST_POINTS * steps} points did not reach the goal")
 
 
-def _state(shell: Shell) -> Array:
-    """State and pressure of a shell in one array."""
-    return np.append(shell.w.x.array, float(shell.pressure.value))
+def _state(shell: Shell, plane: Plane) -> Array:
+    """State of a shell and its load in one array."""
+    return np.append(shell.w.x.array, float(plane.load.value))
 
 
-def _set_state(shell: Shell, state: Array) -> None:
-    shell.w.x.array[:], shell.pressure.value = state[:-1], state[-1]
+def _set_state(shell: Shell, plane: Plane, state: Array) -> None:
+    shell.w.x.array[:], plane.load.value = state[:-1], float(state[-1])
 
 
-def _predict(shell: Shell, points: Sequence[tuple[float, Array]], place: float) -> None:
+def _predict(
+    shell: Shell, plane: Plane, points: Sequence[tuple[float, Array]], place: float
+) -> None:
     """Start a solution from the polynomial through the last points of the path."""
     start = np.zeros_like(points[-1][1])
     for i, (s, state) in enumerate(points):
         others = [t for j, (t, _) in enumerate(points) if j != i]
         start += state * np.prod([(place - t) / (s - t) for t in others])
-    _set_state(shell, start)
-
-
-def _solve(
-    solver: VolumeControl, along: np.ndarray, target: float, volume_0: float, unit: float
-) -> int:
-    """Equilibrium where the point's projection on a direction has a given length."""
-    return solver.solve(target, by_volume=along[0] / volume_0, by_parameter=along[1] / unit)
-
-
-def _place(shell: Shell, volume_0: float, unit: float) -> tuple[float, float]:
-    """Point of the path: volume ratio, and pressure in its unit."""
-    return shell.volume() / volume_0, float(shell.pressure.value) / unit
-
-
-def _passed(
-    goal: Goal, old: tuple[float, float], new: tuple[float, float], unit: float
-) -> tuple[np.ndarray, float] | None:
-    """Direction and length that put the last point onto the goal, if it was reached."""
-    axis, target = goal.coordinate(unit)
-    if (new[axis] - target) * (old[axis] - target) > 0:
-        return None
-    return np.eye(2)[axis], target
+    _set_state(shell, plane, start)
 
 
 @dataclass(frozen=True)

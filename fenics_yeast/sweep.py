@@ -12,7 +12,7 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from ._quantities import Unit
-from ._scene_errors import value_text
+from ._scene_errors import fields_of, value_of, value_text
 from .scene import Scene, SceneError, parse_value
 
 _MOST_VALUES = 100_000
@@ -98,7 +98,7 @@ def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
 def unit_symbol(scene: Scene, key: str) -> str:
     """Symbol of the unit in which a scene holds the value of a key; empty where it has none."""
     table, _, name = key.rpartition(".")
-    field = type(_look_up(scene, table)).model_fields[name]
+    field = fields_of(type(_look_up(scene, table)))[name]
     return _symbol([*field.metadata, field.annotation])
 
 
@@ -140,7 +140,7 @@ def _range(text: str, parts: Sequence[str]) -> list[object]:
 def _look_up(scene: Scene, key: str) -> Any:
     found: Any = scene
     for part in filter(None, key.split(".")):
-        found = found[int(part)] if isinstance(found, tuple | list) else getattr(found, part)
+        found = found[int(part)] if isinstance(found, tuple | list) else value_of(found, part)
     return found
 
 

@@ -1,8 +1,9 @@
-"""Equilibrium where what loads the wall, pressure or time, is an unknown beside the state.
+"""Equilibrium where what loads the wall, pressure, force or time, is an unknown beside the state.
 
 Past a limit point there is no equilibrium at a higher pressure, or at a later time of growth; but
 the volume still goes on, and leads the solution over the top. What is prescribed instead of the
-load is the volume, or a weighted sum of volume and load, as in steps along an arc of the path.
+load is the volume (or the displacement of a force), or a weighted sum of volume and load, as in
+steps along an arc of the path.
 """
 
 from __future__ import annotations
@@ -31,19 +32,22 @@ class VolumeControl:
     shell
         The wall; the solver moves its trial state.
     parameter
-        The unknown beside the state: `shell.pressure`, or the stage of `shell.growth`.
+        The unknown beside the state: `shell.pressure`, `shell.force`, or the stage of
+        `shell.growth`.
     tolerance
         Norm of the residual in µN at which it counts as zero.
     """
 
     def __init__(self, shell: Shell, parameter: Any, tolerance: float) -> None:
         self._shell, self._parameter = shell, parameter
-        by_pressure = parameter is shell.pressure
-        self._growth = None if by_pressure else shell.growth
+        self._force = shell.force if parameter is shell.force else None
+        by_growth = self._force is None and parameter is not shell.pressure
+        self._growth = shell.growth if by_growth else None
         self._equations = equations = Equations(shell)
-        self._weight = tolerance / (_PRECISION * shell.reference_volume)
+        size = shell.reference_volume if self._force is None else self._force.scale
+        self._weight = tolerance / (_PRECISION * size)
         self._target = self._by_parameter = 0.0
-        self._by_volume = 1.0
+        self._by_amount = 1.0
         self._root = shell.comm.rank == 0
         vector = equations.matrix.createVecRight
         self._a, self._b, self._column, self._row = (vector() for _ in range(4))
@@ -73,15 +77,19 @@ class VolumeControl:
                      self._a, self._b, self._column, self._row):  # fmt: skip
             item.destroy()
 
-    def solve(self, target: float, by_volume: float = 1.0, by_parameter: float = 0.0) -> int:
-        """Move trial state and parameter into the equilibrium of a given volume in µm³.
+    def amount(self) -> float:
+        """What the load works on: volume in µm³, or displacement in µm of a force."""
+        return self._shell.volume() if self._force is None else self._force.displacement()
+
+    def solve(self, target: float, by_amount: float = 1.0, by_parameter: float = 0.0) -> int:
+        """Move trial state and parameter into the equilibrium of a given volume or displacement.
 
         Parameters
         ----------
         target
-            What the weighted sum of volume and parameter shall be; with the weights left out,
-            the volume in µm³.
-        by_volume, by_parameter
+            What the weighted sum of amount and parameter shall be; with the weights left out, the
+            amount: volume in µm³ or, of a force, displacement in µm.
+        by_amount, by_parameter
             The weights.
 
         Returns
@@ -96,9 +104,9 @@ class VolumeControl:
         """
         before = self._shell.snapshot()
         value = accepted = float(self._parameter.value)
-        self._target, self._by_volume, self._by_parameter = target, by_volume, by_parameter
+        self._target, self._by_amount, self._by_parameter = target, by_amount, by_parameter
         if self._parameter is self._shell.pressure:
-            value = leave_plane(self._shell, lambda V, p: by_volume * V + by_parameter * p, target)
+            value = leave_plane(self._shell, lambda V, p: by_amount * V + by_parameter * p, target)
         x = self._x.array
         x[: self._equations.owned] = self._shell.w.x.array[: self._equations.owned]
         x[self._equations.owned :] = value
@@ -124,19 +132,25 @@ class VolumeControl:
         self._parameter.value = parameter
         out = f.array
         self._equations.residual(state, out[: self._equations.owned])
-        reached = self._by_volume * self._shell.volume() + self._by_parameter * parameter
+        reached = self._by_amount * self.amount() + self._by_parameter * parameter
         out[self._equations.owned :] = self._weight * (reached - self._target)
 
     def _jacobian(self, snes: Any, x: Any, J: Any, P: Any) -> None:
         shell, equations = self._shell, self._equations
         equations.tangent()
         self._solver.setOperators(equations.matrix)
-        equations.assemble(shell.volume_gradient, self._row.array)
-        if self._growth is None:
-            self._column.array[:] = -self._row.array_r
+        if self._force is None:
+            equations.assemble(shell.volume_gradient, self._row.array)
+            self._row.scale(2 * np.pi)
         else:
+            self._force.direction(self._row.array)
+        if self._growth is not None:
             equations.assemble(shell.stage_force, self._column.array)
-        self._row.scale(2 * np.pi * self._weight * self._by_volume)
+        elif self._force is None and shell.pressure_force is not None:
+            equations.assemble(shell.pressure_force, self._column.array)
+        else:
+            self._column.array[:] = -self._row.array_r / (2 * np.pi)
+        self._row.scale(self._weight * self._by_amount)
         self._solver.solve(self._column, self._b)
 
     def mult(self, matrix: Any, x: Any, y: Any) -> None:

@@ -20,7 +20,8 @@ from fenics_yeast.record import COLUMNS, History, Profile, Profiles, Result, Row
 
 CONTRACT = (
     "time_min, pressure_MPa, volume_um3, volume_ratio, pole_height_um, bud_radius_um, "
-    "neck_radius_um, max_growth_strain, dissipation_rate, step_min, newton_iterations, stable"
+    "neck_radius_um, max_growth_strain, dissipation_rate, step_min, newton_iterations, stable, "
+    "force_uN, displacement_um"
 )
 
 

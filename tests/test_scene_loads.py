@@ -135,7 +135,7 @@ MALFORMED = {
     "no goal": (STEADY + "[path]\nuntil = {}\n", "path.until = {...}: either volume_ratio or"),
     "two goals": (
         STEADY + "[path]\nuntil = { volume_ratio = 8, pressure = 1 }\n",
-        "path.until = {...}: either volume_ratio or pressure is wanted",
+        "path.until = {...}: one of volume_ratio, pressure, displacement, force is wanted",
     ),
     "goal at the start": (
         STEADY + "[path]\nuntil = { pressure = 0 }\n",
