@@ -86,7 +86,7 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str =
 
 def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str = "") -> None:
     """Draw the pressure along several static paths against V/V0; see `volumes`."""
-    with _pressure_axes(path) as axes:
+    with _path_axes(path) as axes:
         for curve, colour in zip(curves, _colours(len(curves)), strict=True):
             _draw_pressure(axes, curve.history, colour, curve.label)
         axes.set_title(title)
@@ -95,10 +95,22 @@ def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str
 
 def pressure(history: History, scene: Scene, path: Path) -> None:
     """Draw the pressure along a static path against V/V0; what is unstable is dashed."""
-    with _pressure_axes(path) as axes:
+    with _path_axes(path) as axes:
         _draw_pressure(axes, history, COLOURS[0], "stable", "unstable at given pressure")
         if not history.stable.all():
             axes.legend(loc="lower right")
+        axes.set_title(scene.title)
+
+
+def force(history: History, scene: Scene, path: Path) -> None:
+    """Draw the force along a static path against its displacement; what is unstable is dashed."""
+    with _path_axes(path, "displacement (µm)", "force (µN)") as axes:
+        _draw_path(
+            axes, history.displacement_um, history.force_uN, history.stable, COLOURS[0],
+            "stable", "unstable at given force",
+        )  # fmt: skip
+        if not history.stable.all():
+            axes.legend(loc="best")
         axes.set_title(scene.title)
 
 
@@ -116,13 +128,13 @@ def _volume_axes(path: Path) -> Iterator[Axes]:
 
 
 @contextmanager
-def _pressure_axes(path: Path) -> Iterator[Axes]:
-    """Axes of pressure against V/V0, the only ones of a figure."""
+def _path_axes(path: Path, of: str = "volume V/V₀", load: str = "pressure (MPa)") -> Iterator[Axes]:
+    """Axes of a load against what it works on, the only ones of a figure."""
     with figure_of(path, 4.8, 3.4) as figure:
-        axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
+        axes = figure.add_axes((0.15, 0.14, 0.82, 0.77))
         yield axes
-        axes.set_xlabel("volume V/V₀")
-        axes.set_ylabel("pressure (MPa)")
+        axes.set_xlabel(of)
+        axes.set_ylabel(load)
         axes.grid(color="0.9", linewidth=0.6)
         axes.set_axisbelow(True)
 
@@ -130,15 +142,29 @@ def _pressure_axes(path: Path) -> Iterator[Axes]:
 def _draw_pressure(
     axes: Axes, history: History, colour: Any, label: str, unstable: str = "_nolegend_"
 ) -> None:
+    """Draw pressure against volume."""
+    V, p = history.volume_ratio, history.pressure_MPa
+    _draw_path(axes, V, p, history.stable, colour, label, unstable)
+
+
+def _draw_path(
+    axes: Axes,
+    x: Array,
+    y: Array,
+    stable: NDArray[np.bool_],
+    colour: Any,
+    label: str,
+    unstable: str,
+) -> None:
     """Draw a path in pieces, those that are unstable dashed."""
-    V, p, stable = history.volume_ratio, history.pressure_MPa, history.stable.astype(bool)
+    stable = stable.astype(bool)
     ends = stable[1:] & stable[:-1]  # of each piece
     for style, name, pieces in (("-", label, ends), ("--", unstable, ~ends)):
         gaps = np.where(pieces, 0.0, np.nan)
         # A piece and the one after it share a point, which either of them shows.
         shown = np.fmin(np.append(gaps, np.nan), np.append(np.nan, gaps))
         if pieces.any():
-            axes.plot(V, p + shown, style, color=colour, label=name)
+            axes.plot(x, y + shown, style, color=colour, label=name)
 
 
 def _colours(count: int) -> list[Any]:

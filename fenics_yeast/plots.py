@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .curve_plots import Curve, pressure, pressures, volume, volumes
+from .curve_plots import Curve, force, pressure, pressures, volume, volumes
 from .meridian_plots import meridian
 from .output import MERIDIAN, SHAPES, VOLUME
 from .record import ErrorBars, History, Profiles, Status
@@ -61,7 +61,7 @@ def draw(
         volume(history, scene, volume_file, status, error_bars)
         drawn.append(volume_file)
     if scene.path is not None and len(history) > 1:
-        pressure(history, scene, volume_file)
+        (force if scene.path.until.of_load else pressure)(history, scene, volume_file)
         drawn.append(volume_file)
     return drawn
 

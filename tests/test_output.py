@@ -27,7 +27,8 @@ CONTRACT = (
 
 def a_row(time: float) -> Row:
     third = time / 3  # needs all its digits
-    values = (time, 0.1, 65.4, 1 + third, 5.0, 1.0, 1.0, np.float64(third), 0.0, 0.2, 3, True)
+    values = (time, 0.1, 65.4, 1 + third, 5.0, 1.0, 1.0, np.float64(third), 0.0, 0.2, 3, True,
+              0.5, -0.25)  # fmt: skip
     return Row(
         **dict.fromkeys(COLUMNS, True) | dict(zip(CONTRACT.split(", "), values, strict=True))
     )

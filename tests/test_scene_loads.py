@@ -132,7 +132,7 @@ MALFORMED = {
         "growth = {...}: a [path] is static",
     ),
     "endless path": (STEADY + "[path]\n", "path.until is missing"),
-    "no goal": (STEADY + "[path]\nuntil = {}\n", "path.until = {...}: either volume_ratio or"),
+    "no goal": (STEADY + "[path]\nuntil = {}\n", "path.until = {...}: one of volume_ratio"),
     "two goals": (
         STEADY + "[path]\nuntil = { volume_ratio = 8, pressure = 1 }\n",
         "path.until = {...}: one of volume_ratio, pressure, displacement, force is wanted",
