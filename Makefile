@@ -17,11 +17,12 @@ ARGS ?=
 export PYTHONNOUSERSITE := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export OMP_NUM_THREADS := 1
-# mpirun as root and with more ranks than cores (the PRTE names are those of Open MPI 5).
+# mpirun as root, with more ranks than cores (the PRTE names are those of Open MPI 5), through memory.
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 export OMPI_MCA_rmaps_base_oversubscribe := 1
 export OMPI_MCA_mpi_yield_when_idle := 1
+export OMPI_MCA_btl := ^tcp
 export PRTE_MCA_rmaps_default_mapping_policy := :oversubscribe
 
 # A .venv works only in the folder and with the Python that it was made for: the stamp holds both.
@@ -32,7 +33,7 @@ endif
 .PHONY: help
 help:  ## print this list
 	@echo "make TARGET, where TARGET is one of"
-	@sed -nE 's/^([a-z]+):.*## (.*)/  \1\t\2/p' Makefile | expand -t 12
+	@sed -nE 's/^([a-z0-9-]+):.*## (.*)/  \1\t\2/p' Makefile | expand -t 18
 
 .PHONY: demo
 demo: setup  ## the paper's budding cell: volumes, pictures and data
@@ -42,6 +43,26 @@ demo: setup  ## the paper's budding cell: volumes, pictures and data
 .PHONY: test
 test: .venv/.installed-test  ## all tests; ARGS="..." goes to pytest
 	@$(PYTHON) -m pytest $(ARGS)
+
+.PHONY: test-ranks
+test-ranks: setup  ## those marked `ranks`, on two ranks and on three
+	@for n in 2 3; do \
+	    timeout 600 mpirun -n $$n $(PYTHON) -m pytest --color=no -m ranks $(ARGS) || \
+	        { echo "error: the tests failed on $$n ranks" >&2; exit 1; }; \
+	done
+
+.PHONY: test-debian13
+test-debian13:  ## demo and tests on Debian 13, in a tree of its own (needs root; ARGS as above)
+	@.ci/debian13 $(ARGS)
+
+.PHONY: test-container
+test-container:  ## build the image and try it (docker, podman, or as root buildah; ARGS as above)
+	@docker/test.sh $(ARGS)
+
+.PHONY: coverage
+coverage: .venv/.installed-dev  ## all tests, and the lines that they do not reach
+	@$(PYTHON) -m coverage run -m pytest $(ARGS)
+	@$(PYTHON) -m coverage report --skip-covered --show-missing
 
 .PHONY: lint
 lint: .venv/.installed-dev  ## style, format and types

@@ -22,6 +22,21 @@ DATA = Path(__file__).parent / "data"
 Table = list[dict[str, str]]
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Under mpirun, show the tests of rank 0 alone."""
+    if dx.MPI.COMM_WORLD.rank > 0:
+        config.pluginmanager.unregister(name="terminalreporter")
+
+
+def pytest_exception_interact(node: pytest.Item, report: pytest.TestReport) -> None:
+    """Under mpirun, end all ranks when a test fails on one, which the others would wait for."""
+    world = dx.MPI.COMM_WORLD
+    if world.size > 1:
+        print(f"rank {world.rank}: {node.nodeid}\n{report.longreprtext}", file=sys.__stderr__)
+        world.Abort(1)
+
+
 @pytest.fixture(scope="session")
 def read_table() -> Callable[[str], Table]:
     """Read the rows of a table in `data`, by column."""
@@ -133,6 +148,7 @@ RANKS = {
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_mpi_yield_when_idle": "1",
+    "OMPI_MCA_btl": "^tcp",  # through memory, whatever the network of this machine
     "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",  # Open MPI 5
     "OMP_NUM_THREADS": "1",
 }
@@ -152,7 +168,7 @@ def mpirun(tmp_path: Path) -> Callable[[str, int], Path]:
         environment = outside | RANKS
         command = ["mpirun", "-n", str(ranks), sys.executable, str(script)]
         done = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600
         )
         assert done.returncode == 0, done.stdout + done.stderr
         return folder

@@ -36,6 +36,7 @@ def stretch_of(scene) -> float:
     return result.history.volume_ratio[-1] ** (1 / 3)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("alpha", [2.0, 3.5, -1.0])
 @pytest.mark.parametrize("pressure", [0.2, 1.0, -0.1])
 def test_elastic_sphere_has_its_closed_form(elastic_scene, alpha, pressure):
@@ -72,6 +73,7 @@ def test_thin_shell_is_a_membrane(elastic_scene):
     assert abs(errors[-1]) < 1e-3
 
 
+@pytest.mark.ranks
 def test_no_equilibrium_beyond_the_limit_point(elastic_scene):
     """Stretch 7^(1/6) at the limit; the shell's bending moves it by 1e-4 or so."""
     assert load(7 ** (1 / 6), 2.0) == pytest.approx(LIMIT, abs=1e-6)
@@ -91,6 +93,7 @@ def test_no_equilibrium_beyond_the_limit_point(elastic_scene):
             equilibrium.solve()
 
 
+@pytest.mark.ranks
 def test_compliance_is_the_slope_of_the_volume(elastic_scene):
     shell = build_shell(elastic_scene)
     volumes = []
@@ -103,6 +106,7 @@ def test_compliance_is_the_slope_of_the_volume(elastic_scene):
     assert compliance == pytest.approx((volumes[1] - volumes[0]) / 0.002, rel=1e-5)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("pressure", [2.5, 20.0])
 def test_failure_is_told_and_leaves_the_shell_as_it_was(fine_scene, pressure):
     """Bit for bit, with an implicit stage on; the next solution is not the worse for it."""
@@ -162,6 +166,7 @@ def fitted_exponent(x: np.ndarray, y: np.ndarray) -> float:
     return np.polyfit(np.log(x), np.log(y), 1)[0]
 
 
+@pytest.mark.ranks
 def test_newton_converges_quadratically_with_growth_in_its_stage(growing):
     shell, equilibrium = growing
     assert shell.growth.get().max() > 0.01

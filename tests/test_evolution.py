@@ -134,6 +134,7 @@ def test_milestones_are_hit_exactly_without_slivers(fine_scene):
         assert len(inside) == np.ceil(round((end - start) / 0.25, 9))
 
 
+@pytest.mark.ranks
 def test_fixed_steps_are_those_asked_for(sphere_scene):
     """Whatever the round-off of their sum."""
     values = {"run.end": 7.0, "numerics.step": 0.1, "numerics.integrator": "backward-euler"}
@@ -177,6 +178,7 @@ def interrupt(time: float) -> float:
     return 0.20265
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", ["forward-euler", "backward-euler", "sdirk3"])
 @pytest.mark.parametrize(
     ("pressure", "error"), [(overload, EquilibriumError), (interrupt, KeyboardInterrupt)]
@@ -197,6 +199,7 @@ def test_failing_step_leaves_no_trace(fine_scene, name, pressure, error):
         assert volume == pytest.approx(untouched.shell.volume(), rel=1e-11)
 
 
+@pytest.mark.ranks
 def test_turgor_that_no_wall_can_carry(fine_scene):
     """The steps close in on the limit point of an elastic sphere; all of them are kept."""
     limit = 1.239463 * 40 * 0.1 / 2.5
