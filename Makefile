@@ -45,7 +45,7 @@ test: .venv/.installed-test  ## all tests; ARGS="..." goes to pytest
 	@$(PYTHON) -m pytest $(ARGS)
 
 .PHONY: test-ranks
-test-ranks: setup  ## those marked `ranks`, on two ranks and on three
+test-ranks: .venv/.installed-test  ## those marked `ranks`, on two ranks and on three
 	@for n in 2 3; do \
 	    timeout 600 mpirun -n $$n $(PYTHON) -m pytest --color=no -m ranks $(ARGS) || \
 	        { echo "error: the tests failed on $$n ranks" >&2; exit 1; }; \
