@@ -7,28 +7,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, create_model, model_validator
 
-from fenics_yeast._quantities import Angle, Length, Pressure, Time, refusal
+from fenics_yeast._quantities import Length, Pressure, Time, refusal
 from fenics_yeast._scene_errors import BRANCH
 from fenics_yeast._table import Table
-
-_KINDS = (("pole", "half_angle"), ("from", "to"), ("from_fraction", "to_fraction"))
-_WANTED = "either pole and half_angle, from and to, or from_fraction and to_fraction are wanted"
+from fenics_yeast._zone import Zone
 
 # `from` is a word of Python's own, which no class body may define.
-_Stretch: Any = create_model(
-    "_Stretch",
-    __base__=Table,
-    **{  # type: ignore[call-overload]
-        "from": (
-            Length | None,
-            Field(default=None, ge=0, description="arc length at its lower edge (µm)"),
-        ),
-        "to": (
-            Length | None,
-            Field(default=None, gt=0, description="arc length at its upper edge (µm)"),
-        ),
-    },
-)
 _Span: Any = create_model(
     "_Span",
     __base__=Table,
@@ -40,45 +24,6 @@ _Span: Any = create_model(
         ),
     },
 )
-
-
-class Zone(_Stretch):
-    """A part of the unloaded wall.
-
-    It is a polar cap (`pole`, `half_angle`), or what lies between two arc lengths from the bottom
-    of the meridian (`from`, `to`) or between two fractions of its length (`from_fraction`,
-    `to_fraction`).
-    """
-
-    pole: Literal["top", "bottom", "both"] | None = Field(
-        default=None, description="pole around which it lies"
-    )
-    half_angle: Angle | None = Field(
-        default=None, gt=0, le=180, description="polar angle from the pole to its edge (degrees)"
-    )
-    from_fraction: float | None = Field(
-        default=None, ge=0, le=1, description="part of the meridian below it (1)"
-    )
-    to_fraction: float | None = Field(
-        default=None, ge=0, le=1, description="part of the meridian up to its upper edge (1)"
-    )
-
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
-        given = [kind for kind in _KINDS if any(getattr(self, key) is not None for key in kind)]
-        if not given:
-            raise refusal("", allowed=_WANTED)
-        if len(given) > 1:
-            key = next(key for key in given[1] if getattr(self, key) is not None)
-            raise refusal("", allowed=_WANTED, key=key)
-        for key in given[0]:
-            if getattr(self, key) is None:
-                raise refusal("", key=key)
-        start, end = given[0]
-        if start != "pole" and getattr(self, start) >= getattr(self, end):
-            allowed = f"more than {start} ({getattr(self, start):g}) is wanted"
-            raise refusal("", allowed=allowed, key=end)
-        return self
 
 
 class Polarity(Table):

@@ -164,8 +164,13 @@ def _allowed(model: type[BaseModel], data: object, path: _Path) -> str:
         return f"the table [{key_text(path)}] is wanted"
     if get_origin(annotation) is Literal:
         return "allowed: " + ", ".join(value_text(choice) for choice in get_args(annotation))
+    if get_origin(annotation) is tuple and _models_of(get_args(annotation)[0]):
+        return f"a list of tables is wanted, [[{key_text(path)}]]"
     if get_origin(annotation) is tuple:
-        entry = next(mark for mark in get_args(get_args(annotation)[0]) if isinstance(mark, Unit))
+        marks = get_args(get_args(annotation)[0])
+        entry = next((mark for mark in marks if isinstance(mark, Unit)), None)
+        if entry is None:
+            return "a list of numbers is wanted, e.g. [2.0, -2.0]"
         return f"a list of {entry.kind.split()[1]}s is wanted, e.g. {_LISTS[entry.symbol]}"
     unit = next((mark for mark in metadata if isinstance(mark, Unit)), None)
     kind = unit.kind if unit else _WANTED.get(annotation, "another value")

@@ -3,15 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from fenics_yeast._quantities import Length, Pressure, refusal
 from fenics_yeast._scene_errors import BRANCH
 from fenics_yeast._table import Table
+from fenics_yeast._zone import Zone
 
 _LEAST_EXPONENT = 1e-3  # in size; below it the energy is lost to cancellation
+
+
+class WallZone(Zone):
+    """A part of the wall that is thicker or stiffer than the rest."""
+
+    thickness: Length | None = Field(default=None, gt=0, description="thickness of the wall (µm)")
+    shear_modulus: Pressure | None = Field(
+        default=None, gt=0, description="shear modulus µ, of a wall of one term (MPa)"
+    )
+    modulus_factor: float | None = Field(
+        default=None, gt=0, description="its moduli over those of the rest (1)"
+    )
+
+    @model_validator(mode="after")
+    def _unlike_the_rest(self) -> Self:
+        if self.shear_modulus is not None and self.modulus_factor is not None:
+            allowed = "either shear_modulus or modulus_factor is wanted"
+            raise refusal("", allowed=allowed, key="modulus_factor")
+        if self.thickness is self.shear_modulus is self.modulus_factor is None:
+            allowed = "a zone of the wall has a thickness, a shear_modulus or a modulus_factor"
+            raise refusal("", allowed=allowed)
+        return self
 
 
 class _Wall(Table):
@@ -27,6 +57,23 @@ class _Wall(Table):
     thickness_change: Literal["none", "elastic"] = Field(
         default="none", description="whether the wall thins where it is stretched elastically"
     )
+    zone: Annotated[tuple[WallZone, ...], Field(strict=False)] = Field(
+        default=(), description="parts of the wall that are unlike the rest"
+    )
+
+    @field_validator("zone")
+    @classmethod
+    def _has_one_modulus(cls, zones: tuple[WallZone, ...]) -> tuple[WallZone, ...]:
+        for i, zone in enumerate(zones):
+            if zone.shear_modulus is not None and "shear_modulus" not in cls.model_fields:
+                allowed = "of this law a modulus_factor is wanted"
+                raise refusal("", allowed=allowed, key=f"{i}.shear_modulus")
+        return zones
+
+    @property
+    def thicknesses(self) -> tuple[float, ...]:
+        """Thickness of each zone, then that of the rest (µm)."""
+        return (*(zone.thickness or self.thickness for zone in self.zone), self.thickness)
 
 
 def _exponent(value: float) -> float:

@@ -96,14 +96,15 @@ def discretise(scene: Scene) -> Discretisation:
     """Meridian, cells and zones of a scene."""
     curve, ends = reference_curve(scene.cell), scene.cell.ends
     growing = [intervals(growth.zone, curve) for growth in scene.growing]
+    walls = [intervals(zone, curve) for zone in scene.wall.zone]
     grows = merged(part for parts in growing for part in parts)
     loaded = _loaded(scene, curve)
     load = [] if loaded is None else [loaded]
     rings = [s for s in load if s < curve.length]
-    zone_edges = edges([part for parts in growing for part in parts], curve)
-    inner = apart([*zone_edges, *curve.joints, *rings])
+    zones = [part for parts in (*growing, *walls) for part in parts]
+    inner = apart([*edges(zones, curve), *curve.joints, *rings])
     outer = [s for s, end in zip((0.0, curve.length), ends, strict=True) if end != "pole"]
-    layer = float(np.sqrt(scene.cell.radius * scene.wall.thickness))
+    layer = float(np.sqrt(scene.cell.radius * min(scene.wall.thicknesses)))
     density: Callable[[Array], Array] = np.ones_like
     if scene.numerics.grading == "graded":
         tips = [polarity for zone in scene.growing if (polarity := zone.polarity) is not None]
@@ -123,7 +124,8 @@ def discretise(scene: Scene) -> Discretisation:
 
     if loaded is not None:
         loaded = float(places[abs(nodes - loaded).argmin()])
-    return Discretisation(cut, places, tuple(map(at_nodes, growing)), ends, loaded=loaded)
+    grown, walled = (tuple(map(at_nodes, zones)) for zones in (growing, walls))
+    return Discretisation(cut, places, grown, ends, walled, loaded)
 
 
 def _loaded(scene: Scene, curve: Curve) -> float | None:

@@ -17,7 +17,7 @@ from typing import Any, Self
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from fenics_yeast._cell import AnyCell, Cell
-from fenics_yeast._growth import Growth, OneOrMore, Polarity, Zone
+from fenics_yeast._growth import Growth, OneOrMore, Polarity
 from fenics_yeast._load import Load
 from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from fenics_yeast._quantities import refusal
@@ -25,7 +25,8 @@ from fenics_yeast._run import Control, Run, StaticPath, Until
 from fenics_yeast._scene_errors import SceneError, explain, value_text
 from fenics_yeast._table import Table
 from fenics_yeast._turgor import PressureTable, Turgor
-from fenics_yeast._wall import AnyWall, LinearWall, OgdenWall, Wall
+from fenics_yeast._wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
+from fenics_yeast._zone import Zone
 
 __all__ = [
     "PRESETS",
@@ -49,6 +50,7 @@ __all__ = [
     "Turgor",
     "Until",
     "Wall",
+    "WallZone",
     "Zone",
     "parse_assignment",
     "parse_value",
@@ -87,10 +89,12 @@ class Scene(Table):
     @model_validator(mode="after")
     def _tables_agree(self) -> Self:
         radius = self.cell.least_radius
-        if self.wall.thickness >= radius:
-            least = "radius" if radius == self.cell.radius else "least radius"
-            allowed = f"a thickness less than the cell's {least} ({radius:.6g} µm) is wanted"
-            raise refusal("", allowed=allowed, key="wall.thickness")
+        for i, thickness in enumerate(self.wall.thicknesses):
+            if thickness >= radius:
+                least = "radius" if radius == self.cell.radius else "least radius"
+                allowed = f"a thickness less than the cell's {least} ({radius:.6g} µm) is wanted"
+                zone = f"zone.{i}." if i < len(self.wall.zone) else ""
+                raise refusal("", allowed=allowed, key=f"wall.{zone}thickness")
         if not self.wall.bending and not self.cell.stiff_without_bending:
             allowed = "a flat ring without bending bears nothing; give it a height, or bending"
             raise refusal("", allowed=allowed, key="wall.bending")
@@ -106,6 +110,7 @@ class Scene(Table):
         if self.growth is not None and self.run is None:
             allowed = 'growth needs a [run] table with an end time, e.g. end = "90 min"'
             raise refusal("", allowed=allowed, key="run")
+        self._have_places(self.wall.zone, "wall.zone.{}")
         key = "growth.{}.zone" if isinstance(self.growth, tuple) else "growth.zone"
         self._have_places([growth.zone for growth in self.growing], key)
         for i, growth in enumerate(self.growing):

@@ -73,8 +73,23 @@ def _bump(zone: Growth, scene: Scene, cut: Discretisation) -> Bump | None:
     return Bump(centre * cut.curve.length / reference_curve(scene.cell).length, polarity.width)
 
 
-def by_zone(zones: Sequence[Intervals], values: Sequence[float], outside: float = 1.0) -> Parameter:
-    """A number for each zone; what is the same in all of them, and is not read elsewhere, is one.
+def thicker(material: AnyWall, cut: Discretisation) -> Parameter:
+    """Thickness of a wall over that outside of its zones."""
+    values = [(zone.thickness or material.thickness) / material.thickness for zone in material.zone]
+    return by_zone(cut.wall_zones, values, 1.0)
+
+
+def stiffer(material: AnyWall, cut: Discretisation) -> Parameter:
+    """Moduli of a wall over those outside of its zones."""
+    mu = material.shear_modulus
+    values = [zone.modulus_factor or (zone.shear_modulus or mu) / mu for zone in material.zone]
+    return by_zone(cut.wall_zones, values, 1.0)
+
+
+def by_zone(
+    zones: Sequence[Intervals], values: Sequence[float], outside: float | None = None
+) -> Parameter:
+    """A number for each zone; one number where it is the same wherever it is read.
 
     Parameters
     ----------
@@ -83,14 +98,15 @@ def by_zone(zones: Sequence[Intervals], values: Sequence[float], outside: float 
     values
         The numbers, one for each zone.
     outside
-        Number outside of all zones.
+        Number outside of all zones; None where it is not read there.
     """
-    if len(set(values)) == 1:
-        return values[0]
+    rest = values[0] if outside is None else outside
+    if {*values, rest} == {rest}:
+        return rest
 
     def at(S: Array) -> Array:
         # A cell's points lie in its inside, and edges are nodes: no point is on an edge.
-        field = np.full_like(S, outside)
+        field = np.full_like(S, rest)
         for parts, value in zip(zones, values, strict=True):
             for part in parts:
                 field[part.holds(S)] = value

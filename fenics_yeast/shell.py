@@ -79,6 +79,8 @@ class Shell:
         `h` in µm, μ in MPa, κ; an infinite κ holds `γ = 0`.
     energy
         Strain energy ψ of the elastic logarithmic strains.
+    thicker, stiffer
+        What thickness and moduli are multiplied by, where the wall has zones.
     growth_law
         Growth rate in the zone; None for an elastic wall, which then has no growth state.
     per_grown
@@ -130,6 +132,8 @@ class Shell:
         shear_modulus: float,
         shear_penalty: float,
         energy: Law,
+        thicker: Parameter = 1.0,
+        stiffer: Parameter = 1.0,
         growth_law: Law | None = None,
         per_grown: bool = False,
         thinning: Law | None = None,
@@ -143,16 +147,24 @@ class Shell:
         self.space = (dx.shell_space if bending else dx.membrane_space)(mesh, order)
         self.w = dx.fem.Function(self.space)
         self.pressure = self._constant(0.0)
-        self._h = self._constant(thickness)
-        penalty = min(shear_penalty, _LARGEST_PENALTY)
-        self._compliance = self._constant(1 / (penalty * shear_modulus * thickness))
         points = thickness_points if bending else 1
         self._zeta, self._weights = np.polynomial.legendre.leggauss(points)
         self.xi: Array = self._zeta * thickness / 2
         self._place_points()
+        self._h = self._constant(thickness)
+        penalty = min(shear_penalty, _LARGEST_PENALTY)
+        self._compliance = self._constant(1 / (penalty * shear_modulus * thickness))
+        psi = energy.on(self._coefficient)
+        if thicker != 1:
+            thickened = self._coefficient(thicker)
+            self._h, self._compliance = self._h * thickened, self._compliance / thickened
+        if stiffer != 1:
+            stiffened = self._coefficient(stiffer)
+            psi = wall.stiffened(psi, stiffened)
+            self._compliance = self._compliance / stiffened
         self._constrain_ends()
         through = None if thinning is None else thinning.on(self._coefficient)
-        self.material = wall.Material(energy.on(self._coefficient), per_grown, through)
+        self.material = wall.Material(psi, per_grown, through)
 
         self._describe()
         self.growth = None

@@ -55,6 +55,8 @@ def build_shell(
         shear_modulus=scene.wall.shear_modulus,
         shear_penalty=scene.numerics.shear_penalty,
         energy=energy or scene_laws.strain_energy(scene.wall),
+        thicker=scene_laws.thicker(scene.wall, cut),
+        stiffer=scene_laws.stiffer(scene.wall, cut),
         growth_law=growth_law or scene_laws.growth_law(scene, cut),
         per_grown=scene.wall.energy_per == "grown",
         thinning=scene_laws.thinning(scene.wall),

@@ -56,6 +56,11 @@ def linear(eps_e: Any, young: Any, poisson: Any) -> Any:
     return young / (2 * (1 - poisson**2)) * (E1**2 + E2**2 + 2 * poisson * E1 * E2)
 
 
+def stiffened(psi: StrainEnergy, factor: Any) -> StrainEnergy:
+    """Strain energy of a wall whose moduli are multiplied by a factor."""
+    return lambda eps_e: factor * psi(eps_e)
+
+
 def incompressible_thinning(eps_e: Any) -> Any:
     """Logarithmic strain `ε3^e` through an incompressible wall."""
     return -(eps_e[0] + eps_e[1])

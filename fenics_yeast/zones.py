@@ -14,7 +14,7 @@ from .curves import Cap, Curve, Sphere
 
 if TYPE_CHECKING:
     from ._cell import Pole
-    from ._growth import Zone
+    from ._zone import Zone
 
 Array = NDArray[np.float64]
 

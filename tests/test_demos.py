@@ -81,11 +81,24 @@ def tip_growth(text: str) -> None:
     assert float(rows[1][1]) > 1.3 * radius  # the tube chooses its radius, not the spore
 
 
+def chitin_ring(text: str) -> None:
+    """The ring holds the neck; without it V/V0 is that of the paper's bud on curved meridians."""
+    rows = re.findall(r"^(.*), (\d+) min: neck radius (\S+) µm, .* V/V0 = (\S+)", text, re.M)
+    neck = {(name, int(time)): float(radius) for name, time, radius, _ in rows}
+    volume = {(name, int(time)): float(ratio) for name, time, _, ratio in rows}
+    assert neck["without ring", 85] > 1.2 * neck["without ring", 0]
+    assert neck["with chitin ring", 85] < 1.03 * neck["with chitin ring", 0]
+    assert volume["without ring", 40] == pytest.approx(1.08898, abs=5e-5)
+    assert 1.08 < volume["with chitin ring", 85] < 1.1 < volume["without ring", 85]
+    assert text.count("finished") == 2
+
+
 NUMBERS: dict[str, Callable[[str], None]] = {
     "speed_against_error": speed_against_error,
     "fig6_threshold": fig6,  # the longest first: two run at a time
     "fig5_growth_time": fig5,
     "tip_growth": tip_growth,
+    "chitin_ring": chitin_ring,
     "fig4_bud": fig4,
     "balloon": balloon,
 }
