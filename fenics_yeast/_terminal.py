@@ -7,6 +7,8 @@ import sys
 from math import isnan
 from typing import TYPE_CHECKING, Self
 
+from ._time_left import TimeLeft, duration
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -58,18 +60,17 @@ class ProgressLine:
             Progress,
             SpinnerColumn,
             TextColumn,
-            TimeRemainingColumn,
         )
 
         self._scene = scene
         self._console = Console(highlight=False)
         self._end = scene.run.end if scene.run else None
+        self._left = TimeLeft(self._end) if self._end else None
         self._progress = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
             BarColumn(bar_width=24),
             TextColumn("{task.fields[state]}"),
-            TimeRemainingColumn(),
             TextColumn("{task.fields[left]}"),
             console=self._console,
             transient=True,
@@ -86,8 +87,9 @@ class ProgressLine:
     def accepted(self, row: Row) -> None:
         """Bring the line up to an accepted state."""
         left, state = "", f"V/V0 = {row.volume_ratio:.4f}"
-        if self._end is not None:
-            left = "left"
+        if self._left is not None:
+            seconds = self._left.accepted(row.time_min)
+            left = "" if seconds is None else f"about {duration(seconds)} left"
             state = f"{row.time_min:.1f} of {self._end:g} min   {state}"
         self._progress.update(
             self._task, total=self._end, completed=row.time_min, state=state, left=left

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from shlex import quote
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated
 
@@ -41,10 +42,22 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+
+def _completed(incomplete: str) -> list[tuple[str, str]]:
+    from ._completion import assignments
+
+    return assignments(incomplete)
+
+
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="The scene, a TOML file.")]
 Assignments = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a value; may be repeated."),
+    typer.Option(
+        "--set",
+        metavar="TABLE.KEY=VALUE",
+        help='Change a value, as growth.time="30 min"; may be repeated.',
+        autocompletion=_completed,
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 
@@ -111,6 +124,7 @@ def sweep(
             "--vary",
             metavar="TABLE.KEY=V1,V2,...",
             help="Values of a key, or A:B:N for N of them from A to B; may be repeated.",
+            autocompletion=_completed,
         ),
     ],
     assignments: Assignments = None,
@@ -230,6 +244,41 @@ def plot(
         fail(f"{directory}: nothing to draw yet; wait for the first saved time", BAD_INPUT)
     for path in drawn:
         typer.echo(path)
+
+
+@app.command()
+def new(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="The file to write.")],
+) -> None:
+    """Write a commented scene to begin with."""
+    from .example import EXAMPLE
+
+    try:
+        with open(scene_file, "x", encoding="utf-8") as file:
+            file.write(EXAMPLE)
+    except FileExistsError:
+        fail(f"{scene_file}: exists already; choose another name", BAD_INPUT)
+    except OSError as error:
+        fail(f"{scene_file}: cannot be written: {error.strerror or error}", BAD_INPUT)
+    typer.echo(f"{scene_file}: a scene to change; then: fenics-yeast run {quote(str(scene_file))}")
+
+
+@app.command()
+def info() -> None:
+    """Say what is installed, and whether it works.
+
+    Exit status 1 if a run would fail; the line says what to do.
+    """
+    from .installation import examine
+
+    works = True
+    for finding in examine():
+        works = works and finding.works
+        mark = "" if finding.works else "error: "
+        typer.echo(f"{finding.subject:13} {mark}{finding.text}")
+    if not works:
+        raise typer.Exit(BROKEN)
+    typer.echo("All that a run needs is there and works.")
 
 
 def _load(scene_file: Path, assignments: list[str] | None) -> Scene:
