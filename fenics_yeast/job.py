@@ -112,7 +112,7 @@ def run_into(
             from ._form_cache import CompilerError
             from .checkpoint import CheckpointError
             from .restart import Past
-            from .simulation import Simulation, complete
+            from .simulation import simulate
         except ImportError as error:
             raise DolfinxMissing(str(error)) from None
         import_s = perf_counter() - importing
@@ -138,9 +138,7 @@ def run_into(
         try:
             try:
                 observer = _All(observers)
-                result = complete(
-                    Simulation(scene, observer=observer, comm=comm, start=past.start, keep=keep)
-                )
+                result = simulate(scene, observer=observer, comm=comm, start=past.start, keep=keep)
                 status, message = comm.bcast((result.status, result.message))
                 result = replace(result, status=status, message=message)
             except KeyboardInterrupt:

@@ -282,6 +282,8 @@ def simulate(
     observer: Observer | None = None,
     callback: Callable[[Row], None] | None = None,
     comm: Any = None,
+    start: Start | None = None,
+    keep: Callable[[Checkpoint], None] | None = None,
 ) -> Result:
     """Run a scene from start to end.
 
@@ -302,24 +304,28 @@ def simulate(
     comm
         MPI communicator whose ranks share the wall; all ranks of the world if left out. Every
         rank gets the history; the profiles are on rank 0.
+    start, keep
+        Where an earlier run is taken up, and what checkpoints are given to, as in `Simulation`.
 
     Returns
     -------
     Result
         History, profiles, and how the run ended.
     """
-    simulation = Simulation(
-        scene, energy=energy, growth_law=growth_law, observer=observer, callback=callback, comm=comm
-    )
-    return complete(simulation)
-
-
-def complete(simulation: Simulation) -> Result:
-    """Take all steps of a simulation that are left; an interrupt is told in the result."""
-    with simulation, suppress(KeyboardInterrupt):
-        for _ in simulation:
-            pass
-    return simulation.result
+    with Simulation(
+        scene,
+        energy=energy,
+        growth_law=growth_law,
+        observer=observer,
+        callback=callback,
+        comm=comm,
+        start=start,
+        keep=keep,
+    ) as simulation:
+        with suppress(KeyboardInterrupt):  # told in the result
+            for _ in simulation:
+                pass
+        return simulation.result
 
 
 def _precision(scene: Scene) -> float:
