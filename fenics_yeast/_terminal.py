@@ -43,7 +43,7 @@ class Lines:
 
     def note(self, line: str) -> None:
         """Print a line."""
-        _print(line)
+        print_line(line)
 
     def refining(self, part: str) -> None:
         """Nothing: the lines at the end have it."""
