@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from enum import Enum
 from math import copysign
 
 from .equilibrium import EquilibriumError
 from .evolution import Evolution
-from .record import Row
 from .volume_control import VolumeControl
 
 _SHARPNESS = 2e-5  # of the time: how near the limit point is found
@@ -30,11 +29,9 @@ def approach(
     tolerance: float,
     growth_rate: float,
     milestone: float,
-    note: Callable[[int, float], Row],
-) -> Generator[Row, None, tuple[Approach, int]]:
+    accepted: Callable[[int, float], None],
+) -> tuple[Approach, int]:
     """Step in volume, with time as an unknown, until time no longer goes on.
-
-    Yields the row of each accepted step.
 
     Parameters
     ----------
@@ -46,8 +43,8 @@ def approach(
         Rate of the volume at the accepted state in µm³/min, not zero.
     milestone
         Time in min that must not be passed.
-    note
-        Makes the row of an accepted step from its Newton iterations and its length in min.
+    accepted
+        Is told the Newton iterations and the length in min of each accepted step.
 
     Returns
     -------
@@ -84,7 +81,7 @@ def approach(
                 evolution.reject()
                 return Approach.MILESTONE, spent + iterations
             evolution.accept(start + dt)
-            yield note(iterations, dt)
+            accepted(iterations, dt)
             growth_rate = change / dt
             change = min(1.5 * change, largest, key=abs)
     return Approach.STUCK, spent

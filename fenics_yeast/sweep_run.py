@@ -155,12 +155,6 @@ class _UntilStopped:
     def saved(self, profile: object) -> None:
         return
 
-    def taken_up(self, row: object, rows: int) -> None:
-        return
-
-    def note(self, line: str) -> None:
-        return
-
     def refining(self, part: str) -> None:
         return
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-
 from .equilibrium import Equilibrium, EquilibriumError
 from .journal import Journal
 from .outcome import Outcome, overloaded, overloaded_by_force
@@ -21,8 +19,8 @@ def walk(
     stability: Stability,
     journal: Journal,
     tolerance: float,
-) -> Generator[Row, None, Outcome]:
-    """Follow the path of a scene from its unloaded wall; yields a row for each point, at time 0.
+) -> Outcome:
+    """Follow the path of a scene from its unloaded wall; a row for each point, at time 0.
 
     Parameters
     ----------
@@ -38,10 +36,10 @@ def walk(
     plane, goal = _plane(scene, path, shell)
     if (lost := _preload(shell, plane, scene, tolerance)) is not None:
         return lost
-    yield journal.accept(0.0, 0.0, 0, stability.falling() == 0)
+    journal.accept(0.0, 0.0, 0, stability.falling() == 0)
     try:
         for iterations in follow(shell, plane, path.control, goal, path.steps, tolerance):
-            yield journal.accept(0.0, 0.0, iterations, stability.falling() == 0)
+            journal.accept(0.0, 0.0, iterations, stability.falling() == 0)
     except PathError as error:
         return _ended(path, shell, journal, tolerance, error)
     journal.save()

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
+from command import call
+from typer.testing import Result
 
 from fenics_yeast import Scene, simulation
-from fenics_yeast.cli import app
 from fenics_yeast.output import load_history, load_profiles, load_status
 from fenics_yeast.record import History, Profiles, Timings
 from fenics_yeast.record import Result as RunResult
@@ -58,11 +58,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def call(*arguments: str) -> Result:
-    """Run the command within this process."""
-    return CliRunner().invoke(app, arguments)
-
-
 def start(*arguments: str) -> subprocess.Popen[str]:
     """Start the command as a process of its own, which hears Ctrl-C even in the background."""
     pipe = subprocess.PIPE
@@ -76,7 +71,6 @@ def tree(folder: Path) -> set[str]:
 
 
 FILES = {
-    "checkpoint.npz",
     "scene.toml", "history.csv", "profiles.npz", "run.json", "figures/shapes.png",
     "figures/volume.png", "surface.pvd", "surface/0000.vtu",
 }  # fmt: skip
@@ -110,7 +104,7 @@ def test_run_leaves_its_folder_and_says_so(here: Path) -> None:
 def test_out_and_set_and_quiet(here: Path) -> None:
     changes = ("--set", "turgor.pressure=1 atm", "--set", "run.save=[5]", "--set", "run.end=5")
     result = call("run", "small.toml", "--out", "a b/c", "--quiet", *changes)
-    assert (result.exit_code, result.output) == (0, "")
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
     assert tree(here) == {"small.toml", *(f"a b/c/{name}" for name in FILES)}
     as_run = Scene.load(here / "a b" / "c" / "scene.toml")
     assert as_run.turgor.pressure == 0.101325
@@ -252,7 +246,7 @@ def test_the_scene_itself_is_not_overwritten(here: Path) -> None:
 def test_wrong_usage_exits_2(here: Path, arguments: Sequence[str]) -> None:
     result = call(*arguments)
     assert result.exit_code == 2
-    assert "Usage" in result.output
+    assert "Usage" in result.stdout + result.stderr
     assert tree(here) == {"small.toml"}
 
 

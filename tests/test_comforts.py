@@ -6,12 +6,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from command import call
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast._completion import assignments
 from fenics_yeast._time_left import TimeLeft, duration
-from fenics_yeast.cli import app
 from fenics_yeast.example import EXAMPLE
 from fenics_yeast.record import Profile, Row
 
@@ -20,17 +19,17 @@ COMMAND = [sys.executable, "-c", "from fenics_yeast.cli import main; main()"]
 
 def test_new_writes_a_scene_and_never_over_one(tmp_path: Path) -> None:
     place = tmp_path / "my bud.toml"
-    result = CliRunner().invoke(app, ["new", str(place)])
+    result = call("new", str(place))
     assert result.exit_code == 0 and f"fenics-yeast run '{place}'" in result.stdout
     documented = Path(__file__).parent.parent / "demos" / "scenes" / "bud.toml"
     scene, known = Scene.load(place), Scene.load(documented)
     for table in ("cell", "wall", "turgor", "growth"):
         assert getattr(scene, table) == getattr(known, table)
     place.write_text("precious")
-    again = CliRunner().invoke(app, ["new", str(place)])
+    again = call("new", str(place))
     assert again.exit_code == 2 and "exists already" in again.stderr
     assert place.read_text() == "precious"
-    nowhere = CliRunner().invoke(app, ["new", str(tmp_path / "no" / "such" / "folder.toml")])
+    nowhere = call("new", str(tmp_path / "no" / "such" / "folder.toml"))
     assert nowhere.exit_code == 2 and nowhere.stderr.count("\n") == 1
 
 

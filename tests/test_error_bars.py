@@ -6,11 +6,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from command import call
 
 from fenics_yeast import error_bars as module
 from fenics_yeast import simulate
-from fenics_yeast.cli import app
 from fenics_yeast.error_bars import error_bars, refinements
 from fenics_yeast.output import OutputFolder, load_error_bars
 from fenics_yeast.record import Timings
@@ -203,11 +202,11 @@ def test_the_command_tells_the_bars(cell_scene, tmp_path):
     command = ["run", str(tmp_path / "small.toml"), "--out", str(out)]
     figure = out / "figures" / "volume.png"
 
-    assert CliRunner().invoke(app, command).exit_code == 0
+    assert call(*command).exit_code == 0
     assert "error_bars" not in json.loads((out / "run.json").read_text())
     without = figure.read_bytes()
 
-    done = CliRunner().invoke(app, [*command, "--error-bars"])
+    done = call(*command, "--error-bars")
     assert done.exit_code == 0
     written = json.loads((out / "run.json").read_text())["error_bars"]
     assert written["time_min"] == [10.0, 20.0]
@@ -217,5 +216,5 @@ def test_the_command_tells_the_bars(cell_scene, tmp_path):
     with_bars = figure.read_bytes()
     assert with_bars != without
 
-    assert CliRunner().invoke(app, ["plot", str(out)]).exit_code == 0
+    assert call("plot", str(out)).exit_code == 0
     assert figure.read_bytes() == with_bars

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import call
 from PIL import Image
-from typer.testing import CliRunner
 
 from fenics_yeast import Scene, film, simulate
-from fenics_yeast.cli import app
 from fenics_yeast.film import FilmError, write_gif, write_mp4
 from fenics_yeast.job import run_into
 from fenics_yeast.plots import draw_all
@@ -32,7 +31,7 @@ def folder(growing: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_plot_gives_every_figure_as_png_and_pdf(folder: Path) -> None:
-    result = CliRunner().invoke(app, ["plot", str(folder), "--pdf"])
+    result = call("plot", str(folder), "--pdf")
     assert result.exit_code == 0
     for name in ("shapes", "volume", "meridian"):
         assert (folder / f"figures/{name}.png").read_bytes().startswith(b"\x89PNG")
@@ -86,10 +85,10 @@ def test_what_does_not_move_is_not_filmed(tmp_path: Path, elastic_scene: Scene) 
     with pytest.raises(FilmError, match="a film needs a run in time"):
         film.film(tmp_path, elastic_scene, end=0.0)
     run_into(tmp_path / "static", elastic_scene, figures=False)
-    result = CliRunner().invoke(app, ["plot", str(tmp_path / "static"), "--film"])
+    result = call("plot", str(tmp_path / "static"), "--film")
     assert result.exit_code == 2 and result.stderr.count("\n") == 1
     (tmp_path / "sweep.csv").write_text("case,growth.time,status\n")
-    result = CliRunner().invoke(app, ["plot", str(tmp_path), "--film"])
+    result = call("plot", str(tmp_path), "--film")
     assert result.exit_code == 2 and "one of its cases" in result.stderr
 
 

@@ -1,0 +1,17 @@
+"""The command, called within the process of the tests."""
+
+import inspect
+from typing import Any
+
+from typer.testing import CliRunner, Result
+
+from fenics_yeast.cli import app
+
+# Before 8.2, click mixes the two outputs unless told not to.
+_MIXES = "mix_stderr" in inspect.signature(CliRunner).parameters
+_OPTIONS: dict[str, Any] = {"mix_stderr": False} if _MIXES else {}
+
+
+def call(*arguments: str) -> Result:
+    """Run the command; `stdout` and `stderr` of the result are apart."""
+    return CliRunner(**_OPTIONS).invoke(app, arguments)
