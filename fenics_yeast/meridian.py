@@ -109,7 +109,8 @@ def discretise(scene: Scene) -> Discretisation:
     if scene.numerics.grading == "graded":
         tips = [polarity for zone in scene.growing if (polarity := zone.polarity) is not None]
         points = [_Point(_centre(tip, curve), tip.width, tip.follow == "tip") for tip in tips]
-        density = _graded(grows, [*inner, *outer, *load], layer, points)
+        rests = [0.0] if load and scene.cell.closed else []  # on a point, as sharp as the load
+        density = _graded(grows, [*inner, *outer, *load, *rests], layer, points)
         near = [s for point in points for s in point.fixed]
         inner = apart([*inner, *(s for s in near if 0 < s < curve.length)])
     nodes = place_nodes(curve.length, inner, scene.numerics.elements, density)

@@ -26,6 +26,7 @@ from .shell import Shell
 from .stability import Stability
 from .walk import walk
 
+_ROUND_OFF = 1e-12  # of the nodal forces, for those that would double the wall's length
 _LOG = logging.getLogger(__name__)
 
 
@@ -178,11 +179,28 @@ def _precision(scene: Scene) -> float:
 
 
 def _force(scene: Scene, nodes: int) -> float:
-    """Size of the nodal forces of the load in µN, or of those that would strain the wall by 1 %."""
-    radius = scene.cell.radius
+    """Size of the nodal forces of the load in µN, or of those that would strain the wall by 1 %.
+
+    An open wall may bend under loads that hardly strain it, and a force is small beside turgor:
+    then the size is that of the load, no smaller than what round-off allows.
+    """
+    radius, load = scene.cell.radius, scene.axial_load
     unit = scene.wall.shear_modulus * scene.wall.thickness / radius
     pressure = scene.turgor.pressure
-    if scene.path is not None:
+    least = 0.01 * unit
+    if scene.path is not None and not scene.path.until.of_load:
         pressure = scene.path.until.pressure or unit
     values = pressure.value if isinstance(pressure, PressureTable) else (pressure,)
-    return float(max(*map(abs, values), 0.01 * unit) * radius**2 / nodes**0.5)
+    sizes = [abs(value) for value in values]
+    if load is not None or not scene.cell.closed:
+        slender = scene.wall.thickness / radius
+        least = _ROUND_OFF / _precision(scene) * unit
+        if scene.path is not None and scene.path.until.volume_ratio is not None:
+            sizes = [slender**2 * unit if scene.wall.bending else unit]
+        if load is not None:
+            sizes += [abs(load.force) / radius**2]
+        if scene.path is not None and scene.path.until.of_load:
+            moved = scene.path.until.displacement or 0.0
+            force = scene.path.until.force or unit * slender * radius * moved
+            sizes += [abs(force) / radius**2]
+    return float(max(*sizes, least) * radius**2 / nodes**0.5)

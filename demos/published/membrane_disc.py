@@ -1,0 +1,74 @@
+"""A flat neo-Hookean membrane with its rim held, blown up by pressure, over its limit point.
+
+Membrane theory leads to ordinary differential equations (J. E. Adkins and R. S. Rivlin, Phil.
+Trans. R. Soc. A 244, 1952, 505-531); the numbers are of their integration to 1e-11. With the pole's
+stretch: p R/(μ h), height of the pole over the radius.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from benchmark import Row, picture, show
+
+from fenics_yeast import Scene, simulate
+from fenics_yeast.record import Result
+
+MU, H, R = 40.0, 0.01, 1.0
+TABLE = {
+    1.05: (0.234941, 0.274093),
+    1.1: (0.527782, 0.383472),
+    1.5: (1.643582, 0.798789),
+    3.0: (1.807922, 1.488846),
+}
+LIMIT = 1.87917, 2.196  # p R/(μ h), and the stretch of the pole
+
+SCENE = Scene.from_toml(f"""
+title = "Flat membrane"
+cell = {{ shape = "disc", diameter = {2 * R} }}
+wall = {{ thickness = {H}, shear_modulus = {MU}, bending = false }}
+turgor = {{ pressure = 0 }}
+path = {{ until = {{ volume_ratio = 2.6 }}, steps = 250 }}
+numerics = {{ elements = 40, order = 4, grading = "uniform" }}
+""")
+
+
+def blown_up() -> Result:
+    """The membrane followed from its plane, where it has no stiffness, past the limit point."""
+    return simulate(SCENE)
+
+
+def rows(result: Result | None = None) -> list[Row]:
+    """The table against the path: at the published heights, the loads."""
+    history = (result or blown_up()).history
+    height, load = history.pole_height_um / R, history.pressure_MPa * R / (MU * H)
+    found = []
+    for stretch, (published, rise) in TABLE.items():
+        here = _cubic(rise, height, load)
+        found.append(Row.near(f"p R/μh at the rise {rise} (λ0 = {stretch})", here, published, 1e-5))
+    i = int(np.argmax(load))
+    parabola = np.polyfit(height[i - 2 : i + 3], load[i - 2 : i + 3], 4)
+    fine = np.linspace(height[i - 1], height[i + 1], 1001)
+    found.append(Row.near("limit point", np.polyval(parabola, fine).max(), LIMIT[0], 1e-5))
+    return found
+
+
+def _cubic(x: float, xs: np.ndarray, ys: np.ndarray) -> float:
+    """Value at x of the curve through points, between four of them by a cubic."""
+    i = int(np.clip(np.searchsorted(xs, x), 2, len(xs) - 2))
+    near = slice(i - 2, i + 2)
+    return float(np.polyval(np.polyfit(xs[near] - x, ys[near], 3), 0.0))
+
+
+def main() -> None:
+    result = blown_up()
+    show(rows(result))
+    with picture("membrane_disc") as axes:
+        load = result.history.pressure_MPa * R / (MU * H)
+        axes.plot(result.history.pole_height_um / R, load, color="#0072b2", label="membrane")
+        heights, loads = [rise for _, rise in TABLE.values()], [load for load, _ in TABLE.values()]
+        axes.plot(heights, loads, "o", color="#d55e00", label="ordinary differential equations")
+        axes.set(xlabel="height of the pole / R", ylabel="p R / (μ h)")
+
+
+if __name__ == "__main__":
+    main()
