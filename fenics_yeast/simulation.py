@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from . import _dolfinx as dx
-from . import scene_laws
+from . import own_laws, scene_laws
 from .equilibrium import Equilibrium
 from .evolution import Evolution
 from .integrators import TABLEAUX
 from .journal import Journal, ObserverError
-from .laws import Law
 from .march import March
 from .meridian import discretise
 from .outcome import Outcome, remarks
+from .own_laws import OwnLaw
 from .record import History, Observer, Profiles, Result, Timings
 from .scene import PressureTable, Scene
 from .shell import Shell
@@ -31,7 +31,11 @@ _LOG = logging.getLogger(__name__)
 
 
 def build_shell(
-    scene: Scene, comm: Any = None, *, energy: Law | None = None, growth_law: Law | None = None
+    scene: Scene,
+    comm: Any = None,
+    *,
+    energy: OwnLaw | None = None,
+    growth_law: OwnLaw | None = None,
 ) -> Shell:
     """Discretised wall of a scene, unloaded, on all ranks of a communicator.
 
@@ -43,6 +47,11 @@ def build_shell(
         MPI communicator whose ranks share the wall; all ranks of the world if left out.
     energy, growth_law
         Laws in place of the scene's own. A growth law needs a scene with a growing zone.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a law gives no UFL expression, or one of a wrong shape, or raises; see `own_laws`.
     """
     if scene.growth is None and growth_law is not None:
         raise ValueError("a growth law needs a scene with a table [growth], for its zone")
@@ -55,10 +64,12 @@ def build_shell(
         thickness=scene.wall.thickness,
         shear_modulus=scene.wall.shear_modulus,
         shear_penalty=scene.numerics.shear_penalty,
-        energy=energy or scene_laws.strain_energy(scene.wall),
+        energy=own_laws.energy_law(energy) if energy else scene_laws.strain_energy(scene.wall),
         thicker=scene_laws.thicker(scene.wall, cut),
         stiffer=scene_laws.stiffer(scene.wall, cut),
-        growth_law=growth_law or scene_laws.growth_law(scene, cut),
+        growth_law=own_laws.growth_law(growth_law)
+        if growth_law
+        else scene_laws.growth_law(scene, cut),
         per_grown=scene.wall.energy_per == "grown",
         thinning=scene_laws.thinning(scene.wall),
         bending=scene.wall.bending,
@@ -84,8 +95,8 @@ def turgor(scene: Scene) -> Callable[[float], float]:
 def simulate(
     scene: Scene,
     *,
-    energy: Law | None = None,
-    growth_law: Law | None = None,
+    energy: OwnLaw | None = None,
+    growth_law: OwnLaw | None = None,
     observer: Observer | None = None,
     comm: Any = None,
 ) -> Result:
@@ -99,7 +110,7 @@ def simulate(
         What to simulate.
     energy, growth_law
         Laws of your own in place of the scene's: strain energy of the wall, growth rate in the
-        zone.
+        zone. Each is a function in UFL, or a `laws.Law` that gives it parameters.
     observer
         Is told of every accepted step and every saved profile, on rank 0 alone. What it raises
         ends the run and is raised here.
