@@ -35,10 +35,14 @@ def sphere() -> Scene:
 
 
 def test_a_sphere_gives_way_to_two_point_forces(sphere):
-    """The force on the top pole, its reaction on the bottom pole; shallow shells, h/R = 0.01."""
+    """The force on the top pole, its reaction on the bottom pole.
+
+    Of the whole sphere the next term, 0.23 - 0.27 ln(h/R) times h/R = 0.01, takes off 1.5 %.
+    """
     row = simulate(sphere).history.rows[-1]
     assert row.force_uN == -1e-7
-    assert row.force_uN / row.displacement_um == pytest.approx(STIFFNESS / 2, rel=0.01)
+    found = row.force_uN / row.displacement_um
+    assert found == pytest.approx(0.985 * STIFFNESS / 2, rel=1e-3)
     assert row.pole_height_um - 2 * R == pytest.approx(row.displacement_um, rel=1e-6)
     below = simulate(sphere.with_values({"load.pole": "bottom"})).history
     assert below.displacement_um[-1] == pytest.approx(row.displacement_um, rel=1e-12)
@@ -63,7 +67,7 @@ def test_all_controls_indent_along_one_path(sphere, pressure):
     assert (by_displacement.pressure_MPa == pressure).all()
     assert by_displacement.force_uN[0] == 0
     slopes = np.diff(by_displacement.force_uN) / np.diff(by_displacement.displacement_um)
-    assert slopes[0] > 1.2 * STIFFNESS / 2 if pressure else slopes[0] < 1.01 * STIFFNESS / 2
+    assert slopes[0] > 1.2 * STIFFNESS / 2 if pressure else slopes[0] < STIFFNESS / 2
 
 
 def test_a_held_force_bends_the_path_of_pressure(sphere):

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 PUBLISHED = Path(__file__).parent.parent / "demos" / "published"
-NAMES = sorted(
-    path.stem for path in PUBLISHED.glob("*.py") if path.stem not in ("benchmark", "solid")
-)
+SHARED = {"benchmark", "solid"}
+NAMES = sorted({path.stem for path in PUBLISHED.glob("*.py")} - SHARED)
 
 
 @pytest.fixture
