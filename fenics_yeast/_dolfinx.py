@@ -63,6 +63,7 @@ __all__ = [
     "shell_space",
     "size_of",
     "size_of_second",
+    "unknown_places",
 ]
 
 _ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
@@ -169,6 +170,30 @@ def node_dofs(space: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
 def is_mixed(space: Any) -> bool:
     """Whether a space has sub-spaces of different kinds, not only the components of a vector."""
     return space.dofmap.index_map_bs == 1
+
+
+def unknown_places(space: Any) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+    """Component and arc length of each local unknown of a wall, ghosts among them.
+
+    Unknowns of the discontinuous second sub-space are placed inside of their cells.
+    """
+    index_map, size = space.dofmap.index_map, space.dofmap.index_map_bs
+    components = np.zeros(size * (index_map.size_local + index_map.num_ghosts), dtype=np.int32)
+    places = np.zeros(len(components))
+    motion, parent = space.sub(0).collapse() if is_mixed(space) else (space, None)
+    dofs = np.arange(len(components)) if parent is None else np.asarray(parent)
+    of_node = dofs.reshape(-1, motion.dofmap.index_map_bs)
+    components[of_node] = np.arange(of_node.shape[1])
+    places[of_node] = motion.tabulate_dof_coordinates()[:, :1]
+    if not is_mixed(space):
+        return components, places
+    shear, parent = space.sub(1).collapse()
+    of_cell = dof_array(shear)
+    S = shear.tabulate_dof_coordinates()[:, 0][of_cell]
+    middle = space.mesh.geometry.x[cell_vertices(space.mesh), 0].mean(axis=1, keepdims=True)
+    of_cell = np.asarray(parent)[of_cell]
+    components[of_cell], places[of_cell] = 3, (S + middle) / 2
+    return components, places
 
 
 def size_of_second(space: Any) -> int:

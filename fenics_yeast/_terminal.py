@@ -37,6 +37,14 @@ class Lines:
         if self._row is not None:
             print_line(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
 
+    def taken_up(self, row: Row, rows: int) -> None:
+        """Say where the run goes on."""
+        self.note(_taken_up(row, rows))
+
+    def note(self, line: str) -> None:
+        """Print a line."""
+        print_line(line)
+
     def refining(self, part: str) -> None:
         """Nothing: the lines at the end have it."""
 
@@ -98,6 +106,16 @@ class ProgressLine:
     def saved(self, profile: Profile) -> None:
         """Nothing: the table at the end has it."""
 
+    def taken_up(self, row: Row, rows: int) -> None:
+        """Say where the run goes on; the time left is estimated from there."""
+        self.note(_taken_up(row, rows))
+        at = row.time_min
+        self._progress.reset(self._task, total=self._end, completed=at)  # type: ignore[arg-type]
+
+    def note(self, line: str) -> None:
+        """Print a line above the bar."""
+        self._console.print(line)
+
     def refining(self, part: str) -> None:
         """Say what the error bars are waiting for."""
         state = f"error bars: {part.replace('_', ' ')} refined"
@@ -137,6 +155,10 @@ class ProgressLine:
 
 
 _HEADINGS = ("time (min)", "time steps", "mesh", "thickness points", "shear penalty", "total")
+
+
+def _taken_up(row: Row, rows: int) -> str:
+    return f"goes on from {row.time_min:.6g} min, row {rows} of the history"
 
 
 def _rows(bars: ErrorBars) -> Iterator[list[str]]:

@@ -70,6 +70,9 @@ def run(
         typer.Option(metavar="DIR", help="Output folder.", show_default="out/<scene name>"),
     ] = None,
     assignments: Assignments = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the run that the output folder holds.")
+    ] = False,
     error_bars: Annotated[
         bool,
         typer.Option("--error-bars", help="Run it again, refined, to estimate errors of V/V0."),
@@ -89,20 +92,27 @@ def run(
     path = Path("out", scene.name) if out is None else out
     try:
         with terminated_as_interrupted():
-            result = _run(path, scene, error_bars, quiet)
+            result = _run(path, scene, resume, error_bars, quiet)
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     if result.status != "finished":
         fail(result.message, EXIT[result.status])
 
 
-def _run(path: Path, scene: Scene, error_bars: bool, quiet: bool) -> Result:
+def _run(path: Path, scene: Scene, resume: bool, error_bars: bool, quiet: bool) -> Result:
     from .job import DolfinxMissing, RunLost, run_into
     from .output import OutputError
 
     screen = None if quiet else _screen(scene)
     try:
-        result = run_into(path, scene, screen=screen, began=_BEGAN, with_error_bars=error_bars)
+        result = run_into(
+            path,
+            scene,
+            screen=screen,
+            began=_BEGAN,
+            with_error_bars=error_bars,
+            resume=resume,
+        )
     except OutputError as error:
         fail(str(error), BAD_INPUT)
     except DolfinxMissing as error:

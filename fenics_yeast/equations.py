@@ -10,6 +10,16 @@ from . import _dolfinx as dx
 from .growth_state import GrowthState
 from .shell import Shell
 
+_SHIFT = 1e-10
+_SHARED = "shared_wall_"  # prefix of the options of solvers on several ranks
+_LU_OF_EACH = {  # those of `use_lu` on one rank
+    "redundant_pc_type": "lu",
+    "redundant_pc_factor_mat_solver_type": "petsc",
+    "redundant_pc_factor_mat_ordering_type": "rcm",
+    "redundant_pc_factor_shift_type": "nonzero",
+    "redundant_pc_factor_shift_amount": _SHIFT,
+}
+
 
 class Equations:
     """Residual and tangent of a shell as functions of a PETSc vector of its unknowns.
@@ -85,14 +95,23 @@ class Equations:
 
 
 def use_lu(solver: Any) -> None:
-    """Make a KSP a direct solver: PETSc's own on one rank, MUMPS on several."""
+    """Make a KSP a direct solver by PETSc's own LU; of several ranks each solves the whole.
+
+    The matrices are small and banded: that takes less time than to share the work, and gives the
+    same digits again.
+    """
     solver.setType("preonly")
     factors = solver.getPC()
-    factors.setType("lu")
     if solver.getComm().getSize() > 1:
-        factors.setFactorSolverType("mumps")
+        solver.setOptionsPrefix(_SHARED)
+        options = dx.PETSc.Options()
+        for name, value in _LU_OF_EACH.items():
+            options[_SHARED + name] = value
+        factors.setType("redundant")
+        solver.setFromOptions()
         return
+    factors.setType("lu")
     factors.setFactorSolverType("petsc")
     factors.setFactorOrdering("rcm")  # a banded matrix
     # Without pivoting, a wall without bending (one fibre) is a zero pivot.
-    factors.setFactorShift(dx.PETSc.Mat.FactorShiftType.NONZERO, 1e-10)
+    factors.setFactorShift(dx.PETSc.Mat.FactorShiftType.NONZERO, _SHIFT)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,8 @@ from numpy.typing import NDArray
 from . import _dolfinx as dx
 from .equations import Equations, use_lu
 from .flat_start import leave_plane
-from .shell import Shell
+from .layout import PointValues, Unknowns
+from .shell import Shell, Snapshot
 
 Array = NDArray[np.float64]
 
@@ -30,6 +32,29 @@ REASONS = {
 
 _MOST_ITERATIONS = 40
 _ALIKE = 0.1  # relative difference of stages that may share a tangent
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """Where a tangent was formed: formed there again, it is the same.
+
+    Attributes
+    ----------
+    w, eps_g, base
+        Trial state, growth strains and those from which their stage started; the latter two are
+        None for an elastic wall.
+    stage, pressure
+        Length of the stage in min, and the pressure in MPa.
+    span
+        Times in min between which growth was as then.
+    """
+
+    w: Unknowns
+    eps_g: PointValues | None
+    base: PointValues | None
+    stage: float
+    pressure: float
+    span: tuple[float, ...]
 
 
 class EquilibriumError(RuntimeError):
@@ -87,7 +112,7 @@ class Equilibrium:
     def __init__(self, shell: Shell, tolerance: float, good_reduction: float = 0.03) -> None:
         self._shell = shell
         self._good_reduction = good_reduction
-        self._stage = -1.0  # of the tangent in use; negative: none
+        self._formed: Tangent | None = None  # the tangent in use
         self._norm = 0.0
         self._equations = equations = Equations(shell)
         self._x = equations.matrix.createVecRight()
@@ -132,10 +157,30 @@ class Equilibrium:
             iterations = verdict(self.snes)
         except EquilibriumError:
             self._shell.restore(before)
-            self._stage = -1.0
+            self._formed = None
             raise
         self._equations.load_if_needed(self._x.array_r)
         return iterations
+
+    @property
+    def tangent(self) -> Tangent | None:
+        """Where the tangent in use was formed; None if the next solution forms a new one."""
+        return self._formed
+
+    def restore(self, tangent: Tangent | None) -> None:
+        """Form the tangent of an earlier run again; this moves the trial state there."""
+        self._formed = tangent
+        if tangent is None:
+            return
+        shell, growth = self._shell, self._shell.growth
+        shell.restore(Snapshot(tangent.w, tangent.eps_g))
+        shell.pressure.value = tangent.pressure
+        if growth is not None and tangent.base is not None:
+            growth.stage.value = tangent.stage
+            growth.set_base(tangent.base)
+            growth.during(*tangent.span)
+            growth.follow()
+        self._equations.tangent()
 
     def compliance(self) -> float:
         """Change of volume by pressure `dV/dp` of the trial state at given growth, µm³/MPa.
@@ -143,7 +188,7 @@ class Equilibrium:
         It grows without bound towards a limit point and is negative beyond it.
         """
         self._equations.tangent()
-        self._stage = -1.0
+        self._formed = None
         self._solver.setOperators(self._equations.matrix)
         self._equations.assemble(self._shell.volume_gradient, self._f.array)
         return 2 * np.pi * self._volume_response()
@@ -184,8 +229,11 @@ class Equilibrium:
         stage = 0.0 if growth is None else float(growth.stage.value)
         good = first or norm < self._good_reduction * self._norm
         self._norm = norm
-        alike = abs(stage - self._stage) <= _ALIKE * stage
+        formed = self._formed
+        alike = formed is not None and abs(stage - formed.stage) <= _ALIKE * stage
         if good and alike and self._good_reduction > 0:
             return
         self._equations.tangent()
-        self._stage = stage
+        trial, pressure = self._shell.snapshot(), float(self._shell.pressure.value)
+        base, span = (None, ()) if growth is None else (growth.get_base(), growth.span)
+        self._formed = Tangent(trial.w, trial.eps_g, base, stage, pressure, span)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from . import _dolfinx as dx
 from .equilibrium import Equilibrium, EquilibriumError
 from .integrators import TABLEAUX, Tableau
+from .layout import PointValues, Unknowns
 from .shell import Shell, Snapshot
 from .volume_control import VolumeControl
 
@@ -30,6 +31,31 @@ class State:
 
     time: float
     wall: Snapshot
+
+
+@dataclass(frozen=True)
+class Memory:
+    """All of an accepted state that the next steps depend on.
+
+    Attributes
+    ----------
+    time
+        In min.
+    w, eps_g
+        The state of the shell, as in `Snapshot`.
+    rate, stiffest
+        Growth rate, and the direction in which growth is stiffest, where they are known.
+    recent_times, recent
+        The last solutions, from which the next one is extrapolated, and their times in min.
+    """
+
+    time: float
+    w: Unknowns
+    eps_g: PointValues | None
+    rate: PointValues | None
+    stiffest: PointValues | None
+    recent_times: tuple[float, ...]
+    recent: tuple[Unknowns, ...]
 
 
 @dataclass(frozen=True)
@@ -211,6 +237,22 @@ class Evolution:
         self._rate = None
         self._recent.clear()
         self._recent.append((self.state.time, self.state.wall.w))
+
+    def memory(self) -> Memory:
+        """All that the next steps depend on, right after `accept`; its arrays never change."""
+        wall = self.state.wall
+        times, recent = zip(*self._recent, strict=True) if self._recent else ((), ())
+        return Memory(
+            self.state.time, wall.w, wall.eps_g, self._rate, self._stiffest, times, recent
+        )
+
+    def restore(self, memory: Memory) -> None:
+        """Go on from an accepted state of another run."""
+        self.state = State(memory.time, Snapshot(memory.w, memory.eps_g))
+        self._rate, self._last_rate, self._stiffest = memory.rate, None, memory.stiffest
+        self._recent.clear()
+        self._recent.extend(zip(memory.recent_times, memory.recent, strict=True))
+        self._restore()
 
     def _stages(self, end: float) -> Step:
         growth, start = self.shell.growth, self.state.time

@@ -52,6 +52,8 @@ class GrowthState:
         functions of ``2 len(eps)`` numbers.
     stage
         Length in min of the implicit part of the stage, `a Δt`.
+    span
+        Times in min between which growth is as it is now.
     """
 
     def __init__(
@@ -68,6 +70,7 @@ class GrowthState:
         self.eps_g, self.base = dx.fem.Function(space), dx.fem.Function(space)
         self._trial, self._base = self.eps_g.x.array, self.base.x.array
         self.stage = dx.fem.Constant(mesh, np.float64(0))
+        self.span = (0.0, 0.0)
         self._mesh, self._cells, self._weights = mesh, cells, weights
         self._dofs = dx.dof_array(space)[cells]
 
@@ -99,12 +102,16 @@ class GrowthState:
         return ufl.as_vector([self.eps_g[2 * j], self.eps_g[2 * j + 1]])
 
     def get(self) -> Array:
-        """Copy of the trial growth strains of the growing cells, ``(cells, points, 2 n)``."""
+        """Copy of the trial growth strains of the growing cells, ``(cells, 2 n points)``."""
         return self._trial[self._dofs]
 
     def set(self, values: Array) -> None:
         """Set the trial growth strains of the growing cells."""
         self._trial[self._dofs] = values
+
+    def get_base(self) -> Array:
+        """Copy of the growth strains from which the implicit part of a stage starts."""
+        return self._base[self._dofs]
 
     def set_base(self, values: Array) -> None:
         """Set the growth strains from which the implicit part of a stage starts."""
@@ -112,17 +119,18 @@ class GrowthState:
 
     def during(self, start: float, end: float) -> None:
         """Let growth be as between two times in min; at one time, as right after it."""
+        self.span = (start, end)
         for weight in self._weights:
             weight.during(start, end)
 
     def rate(self) -> Array:
         """Rate of the growth strains in the trial state, 1/min, in the layout of `get`."""
-        self._follow()
+        self.follow()
         return self._evaluate(self._rate)
 
     def update(self) -> bool:
         """Solve the stage equation at every point for the trial strains; False if it fails."""
-        self._follow()
+        self.follow()
         current = self.get()
         for iteration in range(_MOST_ITERATIONS):
             following = self._evaluate(self._newton_step)
@@ -139,7 +147,7 @@ class GrowthState:
             current = following
         return False
 
-    def _follow(self) -> None:
+    def follow(self) -> None:
         """Bring weights that follow the wall up to the trial state."""
         for weight in self._weights:
             weight.update()

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+from .interrupts import interrupts_at_steps
 from .output import OutputError, OutputFolder, writing
 from .record import History, Observer, Profile, Profiles, Result, Row, Timings
 from .scene import Scene
 
-_UNSTARTED = Result(
-    history=History(()),
-    profiles=Profiles(()),
-    status="interrupted",
-    message="interrupted before the first equilibrium",
-    end_time=0.0,
-    dofs=0,
-    steps=0,
-    rejected_steps=0,
-    newton_iterations=0,
-    timings=Timings(),
-)
+if TYPE_CHECKING:
+    from .checkpoint import Checkpoint, Start
+    from .restart import Past
+
+T = TypeVar("T")
 
 
 class DolfinxMissing(Exception):
@@ -37,6 +31,12 @@ class Screen(Observer, Protocol):
     def __enter__(self) -> object: ...
 
     def __exit__(self, *_: object) -> None: ...
+
+    def taken_up(self, row: Row, rows: int) -> None:
+        """Take note of the row from which an earlier run goes on, the last of so many."""
+
+    def note(self, line: str) -> None:
+        """Show a line to the user."""
 
     def refining(self, part: str) -> None:
         """Take note of a run that is refined in one part, for the error bars."""
@@ -55,6 +55,7 @@ def run_into(
     began: float | None = None,
     with_error_bars: bool = False,
     figures: bool = True,
+    resume: bool = False,
 ) -> Result:
     """Run a scene; leave its history, profiles, figures and summary in a folder.
 
@@ -76,6 +77,9 @@ def run_into(
         Whether the scene is run again, refined, for error bars of the volume.
     figures
         Whether figures and surfaces are made, which takes as long as a short run.
+    resume
+        Whether a run of the scene that the folder holds is taken up where it is; where there is
+        none the scene is run from the beginning.
 
     Returns
     -------
@@ -87,7 +91,8 @@ def run_into(
     DolfinxMissing
         If dolfinx cannot be loaded, or finds no C compiler.
     OutputError
-        On every rank, before anything is computed, if the folder cannot be written.
+        On every rank, before anything is computed, if the folder cannot be written, or if what
+        it holds cannot be taken up.
     RunLost
         If the folder cannot be written later on.
     KeyboardInterrupt
@@ -105,23 +110,43 @@ def run_into(
                 stack.enter_context(screen)
                 observers.append(screen)
             from ._form_cache import CompilerError
+            from .checkpoint import CheckpointError
+            from .restart import Past
             from .simulation import simulate
         except ImportError as error:
             raise DolfinxMissing(str(error)) from None
         import_s = perf_counter() - importing
-        folder = _open(path, scene, comm)
+        past = _look_back(path, scene, comm) if resume else Past()
+        if past.ended is not None and (past.ended.error_bars or not with_error_bars):
+            _announce(observers, screen, f"{path}: ended before: {past.ended.message}")
+            return past.ended
+        folder = _open(path, scene, comm, past.start)
         if folder is not None:
             stack.enter_context(folder)
             observers.insert(0, folder)
+        if resume and past.start is None:
+            _announce(observers, screen, _nothing(path, scene))
+        elif observers and screen is not None and past.start is not None:
+            screen.taken_up(past.start.rows[-1], len(past.start.rows))
+        stack.enter_context(interrupts_at_steps(comm, observers))
+        clock = _Clock(began, import_s, past.start)
+
+        def keep(checkpoint: Checkpoint) -> None:
+            if folder is not None:
+                folder.keep(replace(checkpoint, timings=clock.whole(checkpoint.timings)))
+
         try:
             try:
-                result = simulate(scene, observer=_All(observers), comm=comm)
+                observer = _All(observers)
+                result = simulate(scene, observer=observer, comm=comm, start=past.start, keep=keep)
                 status, message = comm.bcast((result.status, result.message))
                 result = replace(result, status=status, message=message)
             except KeyboardInterrupt:
-                result = _UNSTARTED
+                result = _unstarted(past.start)
+            except CheckpointError as error:
+                raise OutputError(f"{path}: its checkpoint {error}; run the scene anew") from None
             if folder is not None:
-                _complete(folder, scene, result, import_s, began, figures)
+                _complete(folder, scene, result, clock, figures)
             if with_error_bars and result.status != "interrupted":
                 from .error_bars import error_bars
 
@@ -129,7 +154,7 @@ def run_into(
                 bars = error_bars(scene, result, announce=announce, comm=comm)
                 result = replace(result, error_bars=bars)
                 if folder is not None:
-                    _complete(folder, scene, result, import_s, began, figures)
+                    _complete(folder, scene, result, clock, figures)
         except OutputError as error:
             raise RunLost(str(error)) from None
         except CompilerError as error:
@@ -137,24 +162,94 @@ def run_into(
     return result
 
 
-def _open(path: Path, scene: Scene, comm: Any) -> OutputFolder | None:
-    """Open the folder on rank 0; every rank learns whether that worked."""
-    folder, problem = None, None
+def _look_back(path: Path, scene: Scene, comm: Any) -> Past:
+    """What the folder holds of an earlier run, read on rank 0 for all; profiles on rank 0 alone."""
+    from .restart import Past, look_back
+
+    past = _on_root(comm, lambda: look_back(path, scene))
+    others = None
+    if past is not None:
+        start = past.start and replace(past.start, profiles=())
+        others = Past(start, past.ended)
+    others = comm.bcast(others)
+    return others if past is None else past
+
+
+def _open(path: Path, scene: Scene, comm: Any, start: Start | None) -> OutputFolder | None:
+    """Open the folder on rank 0."""
+    return _on_root(comm, lambda: OutputFolder(path, scene, start))
+
+
+def _on_root(comm: Any, act: Callable[[], T]) -> T | None:
+    """What something gives on rank 0; every rank learns whether that worked."""
+    found, problem = None, None
     if comm.rank == 0:
         try:
-            folder = OutputFolder(path, scene)
+            found = act()
         except OutputError as error:
             problem = str(error)
     problem = comm.bcast(problem)
     if problem is not None:
         raise OutputError(problem)
-    return folder
+    return found
+
+
+def _announce(observers: Sequence[Observer], screen: Screen | None, line: str) -> None:
+    """Show a line on rank 0, which alone has observers."""
+    if observers and screen is not None:
+        screen.note(line)
+
+
+def _nothing(path: Path, scene: Scene) -> str:
+    """Why a run is not taken up."""
+    if scene.path is not None:
+        return "a path is not taken up half-way: it starts from the beginning"
+    return f"{path}: no checkpoint to go on from; the run starts from the beginning"
+
+
+def _unstarted(start: Start | None) -> Result:
+    """Result of a run that was interrupted before its first step."""
+    rows = () if start is None else start.rows
+    return Result(
+        history=History(rows),
+        profiles=Profiles(() if start is None else start.profiles),
+        status="interrupted",
+        message="interrupted before the first equilibrium"
+        if start is None
+        else f"interrupted at {rows[-1].time_min:g} min",
+        end_time=rows[-1].time_min if rows else 0.0,
+        dofs=0,
+        steps=max(0, len(rows) - 1),
+        rejected_steps=0 if start is None else start.checkpoint.tally.rejected,
+        newton_iterations=0 if start is None else start.checkpoint.tally.iterations,
+        timings=Timings() if start is None else start.checkpoint.timings,
+    )
+
+
+class _Clock:
+    """Times of the whole command in place of those of a simulation, earlier parts included."""
+
+    def __init__(self, began: float, import_s: float, start: Start | None) -> None:
+        before = Timings() if start is None else start.checkpoint.timings
+        self._began, self._before = began, before.total_s
+        self._import_s = before.import_s + import_s
+
+    def whole(self, timings: Timings, output_s: float = 0.0) -> Timings:
+        """Add what a simulation does not know, and more seconds of output."""
+        return replace(
+            timings,
+            import_s=self._import_s,
+            output_s=timings.output_s + output_s,
+            total_s=self._before + perf_counter() - self._began,
+        )
 
 
 def _complete(
-    folder: OutputFolder, scene: Scene, result: Result, import_s: float, began: float, figures: bool
+    folder: OutputFolder, scene: Scene, result: Result, clock: _Clock, figures: bool
 ) -> None:
     """Draw the figures, make the surfaces and write the summary."""
+    if result.status == "interrupted":  # there may be no time left for figures
+        folder.finish(result, clock.whole(result.timings))
     drawing = perf_counter()
     if figures:
         from . import plots, surface
@@ -170,10 +265,7 @@ def _complete(
                 result.status,
                 result.error_bars,
             )
-    now = perf_counter()
-    output_s = result.timings.output_s + now - drawing
-    timings = replace(result.timings, import_s=import_s, output_s=output_s, total_s=now - began)
-    folder.finish(result, timings)
+    folder.finish(result, clock.whole(result.timings, perf_counter() - drawing))
 
 
 class _All:

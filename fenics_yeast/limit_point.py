@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from enum import Enum
 from math import copysign
 
 from .equilibrium import EquilibriumError
 from .evolution import Evolution
+from .record import Row
 from .volume_control import VolumeControl
 
 _SHARPNESS = 2e-5  # of the time: how near the limit point is found
@@ -29,9 +30,11 @@ def approach(
     tolerance: float,
     growth_rate: float,
     milestone: float,
-    accepted: Callable[[int, float], None],
-) -> tuple[Approach, int]:
+    note: Callable[[int, float], Row],
+) -> Generator[Row, None, tuple[Approach, int]]:
     """Step in volume, with time as an unknown, until time no longer goes on.
+
+    Yields the row of each accepted step.
 
     Parameters
     ----------
@@ -43,8 +46,8 @@ def approach(
         Rate of the volume at the accepted state in µm³/min, not zero.
     milestone
         Time in min that must not be passed.
-    accepted
-        Is told the Newton iterations and the length in min of each accepted step.
+    note
+        Makes the row of an accepted step from its Newton iterations and its length in min.
 
     Returns
     -------
@@ -81,7 +84,7 @@ def approach(
                 evolution.reject()
                 return Approach.MILESTONE, spent + iterations
             evolution.accept(start + dt)
-            accepted(iterations, dt)
+            yield note(iterations, dt)
             growth_rate = change / dt
             change = min(1.5 * change, largest, key=abs)
     return Approach.STUCK, spent

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
+from collections.abc import Generator, Sequence
+
+from .checkpoint import Checkpoint
 from .equilibrium import Equilibrium, EquilibriumError
 from .evolution import Evolution, Step
 from .integrators import Tableau
 from .journal import Journal
 from .limit_point import Approach, approach
 from .outcome import Outcome, overloaded, worn_out
+from .record import Row, Timings
 from .scene import PressureTable, Scene
 from .shell import Shell
 from .stability import Stability
-from .static_path import LimitPoint, PathError, limit_point
-from .time_steps import TimeSteps
+from .static_path import PathError, limit_point
+from .time_steps import TimeSteps, same_time
 
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
 _FIRST_STEP = 1e-3  # of the characteristic time of growth, where steps are adaptive
@@ -34,6 +39,12 @@ class March:
         Takes note of all steps.
     tolerance
         Norm of the residual in µN at which it counts as zero.
+
+    Attributes
+    ----------
+    checkpoint
+        All that determines how the run goes on from the last step, with the arrays of this rank
+        in its own order and without timings; None before the first.
     """
 
     def __init__(
@@ -53,24 +64,34 @@ class March:
         self._journal, self._tolerance = journal, tolerance
         self._stable = True
         self._cut = False
+        self._switches = sorted(time for zone in scene.growing for time in zone.span)
+        self._kinks = self._bends()
+        self._steps = self._time_steps()
+        self.checkpoint: Checkpoint | None = None
 
     @property
     def _time(self) -> float:
         return self._evolution.state.time
 
-    def go(self) -> Outcome:
-        """Run to the end, or to what ends the run."""
-        run, journal = self._scene.run, self._journal
-        lost = self._load()
-        if lost is not None:
-            return lost
+    def restore(self, checkpoint: Checkpoint) -> None:
+        """Go on from a checkpoint, whose arrays are those of this rank."""
+        self._equilibrium.restore(checkpoint.tangent)
+        self._evolution.restore(checkpoint.evolution)
+        self._steps.restore(checkpoint.steps)
+        self._stability.last = checkpoint.stability
+        self._cut = checkpoint.cut
+        self.checkpoint = checkpoint
+
+    def go(self) -> Generator[Row, None, Outcome]:
+        """Run to the end, or to what ends the run; yields the row of each accepted state."""
+        run, journal, steps = self._scene.run, self._journal, self._steps
+        if self.checkpoint is None:
+            if (lost := self._load()) is not None:
+                return lost
+            self._settle(0.0)
+            yield journal.rows[-1]
         if run is None:
-            journal.save()
             return Outcome("finished", "equilibrium found")
-        if 0 in run.save:
-            journal.save()
-        kinks = self._kinks(run.end)
-        steps = self._time_steps([*kinks, *run.save, run.end])
         while (end := self._propose(steps)) is not None:
             try:
                 step = self._evolution.attempt(end)
@@ -79,14 +100,17 @@ class March:
                 steps.failed()
                 if steps.exhausted:
                     return self._failed(error)
-                if steps.failures >= self._patience and (lost := self._limit(end)):
-                    return lost
+                if steps.failures >= self._patience:
+                    lost = yield from self._limit(end)
+                    if lost is not None:
+                        return lost
                 continue
             if self._past_limit():
                 self._evolution.reject()
                 journal.reject(step.iterations)
                 steps.failed()
-                if lost := self._limit(end):
+                lost = yield from self._limit(end)
+                if lost is not None:
                     return lost
                 if steps.exhausted:
                     return self._failed(EquilibriumError("only states past a limit point", 0))
@@ -97,13 +121,13 @@ class March:
                 continue
             start = self._time
             self._evolution.accept(end)
-            if end in kinks:
+            if _among(end, self._kinks):
                 self._evolution.forget()
-            if end in self._switches:
+            if _among(end, self._switches):
                 steps.begin_again()
-            journal.accept(end, end - start, step.iterations, self._stable)
-            if end in run.save:
-                journal.save()
+            row = journal.accept(end, end - start, step.iterations, self._stable)
+            self._settle(end)
+            yield row
         grown = journal.rows[-1].max_growth_strain
         message = f"reached {run.end:g} min"
         if self._growing and grown == 0:
@@ -113,6 +137,22 @@ class March:
         elif steps.cuts and self._scene.numerics.step is not None:
             message += f"; fixed steps that found no equilibrium were cut: {steps.cuts}"
         return Outcome("finished", message)
+
+    def _settle(self, time: float) -> None:
+        """Keep what an accepted state at a time in min leaves, and what goes on from it."""
+        run, journal = self._scene.run, self._journal
+        if run is None or _among(time, run.save):
+            journal.save()
+        self.checkpoint = Checkpoint(
+            scene="",
+            evolution=self._evolution.memory(),
+            tangent=self._equilibrium.tangent,
+            steps=self._steps.memory(),
+            stability=self._stability.last,
+            cut=self._cut,
+            tally=journal.tally(),
+            timings=Timings(),
+        )
 
     # --- loading --------------------------------------------------------------------------
 
@@ -131,7 +171,7 @@ class March:
         try:
             limit = limit_point(self._shell, evolution.pressure(0.0), self._tolerance)
             if limit is not None:
-                journal.iterations += limit.iterations
+                journal.spend(limit.iterations)
                 return overloaded(limit.pressure)
             iterations = evolution.load()
         except (EquilibriumError, PathError) as error:
@@ -143,24 +183,22 @@ class March:
 
     # --- steps ----------------------------------------------------------------------------
 
-    def _kinks(self, end: float) -> list[float]:
-        """Times in min at which the pressure's slope changes, or growth begins or ends."""
-        turgor = self._scene.turgor
+    def _bends(self) -> list[float]:
+        """Increasing times in min at which the pressure's slope changes, or growth switches."""
+        turgor, run = self._scene.turgor, self._scene.run
+        end = 0.0 if run is None else run.end
         times = turgor.pressure.time if isinstance(turgor.pressure, PressureTable) else ()
-        return [min(turgor.ramp, end), *(t for t in (*times, *self._switches) if 0 < t < end)]
+        inside = (t for t in (*times, *self._switches) if 0 < t < end)
+        return sorted([min(turgor.ramp, end), *inside])
 
-    @property
-    def _switches(self) -> list[float]:
-        """Times in min at which growth of a zone begins or ends."""
-        return [time for zone in self._scene.growing for time in zone.span]
-
-    def _time_steps(self, milestones: list[float]) -> TimeSteps:
+    def _time_steps(self) -> TimeSteps:
         """Fixed steps, or steps that follow the estimated error of growth."""
-        numerics, growth_time = self._scene.numerics, self._scene.growth_time
+        run, numerics, growth_time = self._scene.run, self._scene.numerics, self._scene.growth_time
+        milestones = [] if run is None else [*self._kinks, *run.save, run.end]
         if numerics.step is not None:
             return TimeSteps(milestones, numerics.step, None)
         if growth_time is None:
-            return TimeSteps(milestones, max(milestones) / 100, None)
+            return TimeSteps(milestones, max(milestones, default=0.0) / 100, None)
         return TimeSteps(milestones, _FIRST_STEP * growth_time, self._tableau.estimate_order)
 
     def _propose(self, steps: TimeSteps) -> float | None:
@@ -223,10 +261,11 @@ class March:
 
     # --- ends -----------------------------------------------------------------------------
 
-    def _limit(self, end: float) -> Outcome | None:
+    def _limit(self, end: float) -> Generator[Row, None, Outcome | None]:
         """Find out whether the wall loses its equilibrium on the way to a time, and tell."""
         if not self._changing(end):
-            return worn_out(self._journal.rows[-1]) if self._meets_limit(end) else None
+            worn = yield from self._meets_limit(end)
+            return worn_out(self._journal.rows[-1]) if worn else None
         growth_time = self._scene.growth_time
         start, pressure = self._time, self._evolution.pressure
         if growth_time is not None and end - start > _GIVEN * growth_time:
@@ -240,36 +279,38 @@ class March:
             return None
         part = (limit.pressure - pressure(start)) / (pressure(end) - pressure(start))
         time = start + part * (end - start)
-        self._arrive(limit, time)
+        if self._growing or time <= start:
+            self._evolution.reject()
+        else:  # an elastic wall can be left there
+            self._evolution.accept(time)
+            yield self._journal.accept(time, time - start, limit.iterations, True)
         return overloaded(limit.pressure, time)
 
-    def _arrive(self, limit: LimitPoint, time: float) -> None:
-        """Accept the state at a limit point of an elastic wall; a growing one stays before it."""
-        if self._growing or time <= self._time:
-            self._evolution.reject()
-            return
-        start = self._time
-        self._evolution.accept(time)
-        self._journal.accept(time, time - start, limit.iterations, True)
-
-    def _meets_limit(self, end: float) -> bool:
+    def _meets_limit(self, end: float) -> Generator[Row, None, bool]:
         """Whether growth loses the equilibrium on the way to a time, followed by volume."""
         rows = self._journal.rows
         grown = rows[-1].volume_um3 - rows[max(0, len(rows) - 2)].volume_um3
         if not self._growing or grown == 0:
             return False
         rate = grown / rows[-1].step_min
-        verdict, spent = approach(self._evolution, self._tolerance, rate, end, self._accept)
+        walk = approach(self._evolution, self._tolerance, rate, end, self._accept)
+        verdict, spent = yield from walk
         self._evolution.forget()
-        self._journal.iterations += spent
+        self._journal.spend(spent)
         return verdict is Approach.LIMIT
 
-    def _accept(self, iterations: int, step: float) -> None:
+    def _accept(self, iterations: int, step: float) -> Row:
         """Note a state accepted on the approach to a limit point."""
         stable = self._stability.falling() == 0
-        self._journal.accept(self._time, step, iterations, stable)
+        return self._journal.accept(self._time, step, iterations, stable)
 
     def _failed(self, error: EquilibriumError) -> Outcome:
         return Outcome(
             "failed", f"no step beyond {self._time:g} min, however small, converged: {error}"
         )
+
+
+def _among(time: float, times: Sequence[float]) -> bool:
+    """Whether a time is one of some increasing ones."""
+    after = bisect_left(times, time)
+    return any(same_time(time, other) for other in times[max(0, after - 1) : after + 1])

@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import os
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
-from typing import NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 from zipfile import BadZipFile
 
 import numpy as np
@@ -19,7 +19,11 @@ import numpy as np
 from .record import COLUMNS, ErrorBars, History, Profile, Profiles, Result, Row, Status, Timings
 from .scene import Scene
 
+if TYPE_CHECKING:
+    from .checkpoint import Checkpoint, Start
+
 _SCENE, _HISTORY, _PROFILES, _RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
+CHECKPOINT = "checkpoint.npz"
 # Within the folder, made of the others by other modules.
 SHAPES, VOLUME, MERIDIAN = (f"figures/{name}.png" for name in ("shapes", "volume", "meridian"))
 FIGURES = (SHAPES, VOLUME, MERIDIAN)
@@ -52,7 +56,10 @@ def replace_file(path: Path, content: bytes) -> None:
     """Write a file that takes the place of an earlier one only once it is complete."""
     temporary = path.with_name(path.name + ".part")
     try:
-        temporary.write_bytes(content)
+        with open(temporary, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
@@ -62,8 +69,8 @@ class OutputFolder:
     """Folder that takes in a run while it goes: an `Observer`, and a context manager.
 
     A row of the history is in its file as soon as the step is accepted; every other file is
-    written under a temporary name and renamed. If the folder is removed while the run goes, it is
-    made again with all there was in it. Under MPI rank 0 alone has one.
+    written under a temporary name, flushed to the disk and renamed. If the folder is removed while
+    the run goes, it is made again with all there was in it. Under MPI rank 0 alone has one.
 
     Parameters
     ----------
@@ -71,6 +78,8 @@ class OutputFolder:
         The folder, made where missing. Files of an earlier run in it are replaced, others stay.
     scene
         The scene to be run.
+    start
+        Where the run is taken up that the folder holds; None for a new run.
 
     Raises
     ------
@@ -78,16 +87,20 @@ class OutputFolder:
         If the folder cannot be written, or holds files under our names that no run has left.
     """
 
-    def __init__(self, path: Path, scene: Scene) -> None:
+    def __init__(self, path: Path, scene: Scene, start: Start | None = None) -> None:
         self.path = path
         self._scene = scene
-        self._rows: list[Row] = []  # in the file
-        self._kept: list[Profile] = []
+        self._rows: list[Row] = [] if start is None else list(start.rows)  # in the file
+        self._kept: list[Profile] = [] if start is None else list(start.profiles)
         self._profiles_written = 0
         self._may_write_at = 0.0
         with writing(self.path):
-            self._claim()
+            if start is None:
+                self._claim()
+            self._clear()
             self._begin()
+        if self._kept:
+            self._write_profiles()
 
     def __enter__(self) -> Self:
         return self
@@ -112,6 +125,15 @@ class OutputFolder:
             self._write_profiles()
             now = perf_counter()
             self._may_write_at = now + (now - began) / _PROFILES_SHARE
+
+    def keep(self, checkpoint: Checkpoint) -> None:
+        """Write a checkpoint in the place of the last one, once all that it counts is there."""
+        self._present()
+        if self._profiles_written != len(self._kept):
+            self._write_profiles()
+        with writing(self.path):
+            os.fsync(self._history.fileno())
+            self._replace(CHECKPOINT, checkpoint.to_bytes())
 
     def finish(self, result: Result, timings: Timings) -> None:
         """Complete the folder with what is known at the end; again, where more is known.
@@ -142,12 +164,11 @@ class OutputFolder:
             self._write_profiles()
         with writing(self.path):
             if len(self._rows) != len(result.history):  # interrupted between step and row
-                lines = [_HEADER, *map(_line, result.history.rows)]
-                self._replace(_HISTORY, "".join(line + "\n" for line in lines).encode())
+                self._write_history(result.history.rows)
             self._replace(_RUN, (json.dumps(summary, indent=2) + "\n").encode())
 
     def _claim(self) -> None:
-        """Make the folder, or clear it of the files of an earlier run."""
+        """Make the folder, or clear it of what an earlier run would go on from."""
         ours = [self.path / name for name in (_SCENE, _HISTORY, _PROFILES, _RUN)]
         found = [file.name for file in ours if file.exists()]
         if found and (_SCENE not in found or len(found) == 1):
@@ -155,16 +176,21 @@ class OutputFolder:
                 f"{self.path}: holds a {found[0]} that no run has left; choose another folder"
             )
         self.path.mkdir(parents=True, exist_ok=True)
-        for name in (_PROFILES, _RUN, *FIGURES, SERIES):
+        for name in (CHECKPOINT, _PROFILES):  # the checkpoint first: it needs the others
+            (self.path / name).unlink(missing_ok=True)
+
+    def _clear(self) -> None:
+        """Remove what tells of the end of an earlier run."""
+        for name in (_RUN, *FIGURES, SERIES):
             (self.path / name).unlink(missing_ok=True)
         for surface in (self.path / SURFACES).glob("*.vtu"):
             surface.unlink()
 
     def _begin(self) -> None:
-        """Write the scene and begin the history."""
+        """Write the scene, and the history as far as it is known."""
         self._replace(_SCENE, self._scene.to_toml().encode())
-        self._history = open(self.path / _HISTORY, "w", encoding="utf-8")  # noqa: SIM115
-        self._append(_HEADER)
+        self._write_history(self._rows)
+        self._history = open(self.path / _HISTORY, "a", encoding="utf-8")  # noqa: SIM115
 
     def _present(self) -> None:
         """Make the folder again if it has been removed."""
@@ -175,14 +201,16 @@ class OutputFolder:
                 self._history.close()
             self.path.mkdir(parents=True, exist_ok=True)
             self._begin()
-            for row in self._rows:
-                self._append(_line(row))
         if self._kept:
             self._write_profiles()
 
     def _append(self, line: str) -> None:
         self._history.write(line + "\n")
         self._history.flush()
+
+    def _write_history(self, rows: Iterable[Row]) -> None:
+        lines = [_HEADER, *map(_line, rows)]
+        self._replace(_HISTORY, "".join(line + "\n" for line in lines).encode())
 
     def _write_profiles(self) -> None:
         content = BytesIO()
@@ -339,6 +367,36 @@ def load_ending(directory: Path) -> Ending | None:
         return Ending(summary["status"], summary["message"], seconds)
     except FileNotFoundError:
         return None
+    except (OSError, ValueError, KeyError, TypeError):
+        raise OutputError(f"{path}: is damaged; run the scene again") from None
+
+
+def load_result(directory: Path) -> Result:
+    """Result of a run that has ended.
+
+    Raises
+    ------
+    OutputError
+        If it has not, or if it cannot be read.
+    """
+    path = directory / _RUN
+    try:
+        summary = json.loads(path.read_bytes())
+        return Result(
+            history=load_history(directory),
+            profiles=load_profiles(directory),
+            status=summary["status"],
+            message=summary["message"],
+            end_time=summary["end_time_min"],
+            dofs=summary["dofs"],
+            steps=summary["steps"],
+            rejected_steps=summary["rejected_steps"],
+            newton_iterations=summary["newton_iterations"],
+            timings=Timings(**summary["timings"]),
+            error_bars=load_error_bars(directory),
+        )
+    except FileNotFoundError:
+        raise OutputError(f"{directory}: holds no {_RUN}; the run has not ended") from None
     except (OSError, ValueError, KeyError, TypeError):
         raise OutputError(f"{path}: is damaged; run the scene again") from None
 

@@ -179,6 +179,11 @@ class Timings:
     output_s: float = 0.0
     total_s: float = 0.0
 
+    def __add__(self, other: Timings) -> Timings:
+        """Sum of each of them, for a run in parts."""
+        names = [field.name for field in fields(self)]
+        return Timings(*(getattr(self, name) + getattr(other, name) for name in names))
+
 
 @dataclass(frozen=True)
 class ErrorBars:

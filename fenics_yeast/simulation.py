@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Generator
+from contextlib import ExitStack, suppress
 from time import perf_counter
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from . import _dolfinx as dx
 from . import own_laws, scene_laws
+from .agreement import Others
+from .checkpoint import Checkpoint, Start
 from .equilibrium import Equilibrium
 from .evolution import Evolution
 from .integrators import TABLEAUX
 from .journal import Journal, ObserverError
+from .keeper import Keeper, local
 from .march import March
 from .meridian import discretise
 from .outcome import Outcome, remarks
 from .own_laws import OwnLaw
-from .record import History, Observer, Profiles, Result, Timings
+from .record import History, Observer, Profile, Profiles, Result, Row, Timings
 from .scene import PressureTable, Scene
 from .shell import Shell
 from .stability import Stability
@@ -92,13 +95,207 @@ def turgor(scene: Scene) -> Callable[[float], float]:
     return at
 
 
+class Simulation:
+    """A scene on its way from start to end: an iterator over its accepted steps.
+
+        with Simulation(scene) as simulation:
+            for row in simulation:
+                if row.bud_radius_um > 1.5:
+                    break
+        print(simulation.result.message)
+
+    A loop that was left may be taken up again by another one before the end of the block. On
+    several ranks all of them iterate, and meet the same rows.
+
+    Parameters
+    ----------
+    scene, energy, growth_law, observer, callback, comm
+        As in `simulate`.
+    start
+        Where an earlier run of the scene is taken up; the same on all ranks, but for profiles,
+        which rank 0 alone needs.
+    keep
+        Is given a checkpoint of the last step every few seconds and at the end, on rank 0 alone;
+        must be there on all ranks.
+
+    Raises
+    ------
+    CheckpointError
+        If the start is that of another wall.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        energy: OwnLaw | None = None,
+        growth_law: OwnLaw | None = None,
+        observer: Observer | None = None,
+        callback: Callable[[Row], None] | None = None,
+        comm: Any = None,
+        start: Start | None = None,
+        keep: Callable[[Checkpoint], None] | None = None,
+    ) -> None:
+        self._began = perf_counter()
+        self._shell = shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
+        called = None if callback is None else _Callback(callback)
+        self._journal = Journal(shell, [each for each in (observer, called) if each is not None])
+        compiled = perf_counter()
+        tolerance = _precision(scene) * _force(scene, len(shell.discretisation.nodes))
+        self._resources = resources = ExitStack()
+        equilibrium = resources.enter_context(Equilibrium(shell, tolerance))
+        stability = resources.enter_context(Stability(shell))
+        self._others = resources.enter_context(Others(shell.comm))
+        self._march: March | None = None
+        self._steps: Generator[Row, None, Outcome]
+        if scene.path is not None:
+            self._steps = walk(scene, scene.path, shell, stability, self._journal, tolerance)
+        else:
+            tableau = TABLEAUX[scene.numerics.integrator]
+            evolution = Evolution(shell, equilibrium, tableau, turgor(scene))
+            solvers = (equilibrium, stability, evolution, tableau)
+            self._march = March(scene, shell, *solvers, self._journal, tolerance)
+            self._steps = self._march.go()
+        self._before = Timings()
+        if start is not None and self._march is not None:
+            self._march.restore(local(start.checkpoint, shell))
+            self._journal.restore(start.checkpoint.tally, start.rows, start.profiles)
+            self._before = start.checkpoint.timings
+        self._keeper = None if keep is None else Keeper(shell, scene, self._journal, keep)
+        self._outcome: Outcome | None = None
+        self._compile_s = compiled - self._began
+        self._setup_s = perf_counter() - compiled
+        self._run_s = self._total_s = 0.0
+        self._lap: float | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __iter__(self) -> Self:
+        return self
+
+    def __next__(self) -> Row:
+        """Take the next step.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            If it is interrupted; the run has then ended and has its result.
+        """
+        if self._outcome is not None:
+            raise StopIteration
+        self._lap = perf_counter()
+        try:
+            row = next(self._steps)
+            if self._keeper is not None and self._march is not None:
+                self._keeper.offer(self._march.checkpoint, self._timings())
+            return row
+        except StopIteration as end:
+            self._end(end.value)
+        except ObserverError as error:
+            self._others.wait(error)
+            self._free(Outcome("failed", f"the run broke: {error}"))
+            raise error.__cause__ or error from None
+        except KeyboardInterrupt as interrupt:
+            self._others.wait(interrupt)
+            self._end(Outcome("interrupted", f"interrupted at {self._time:g} min"))
+            raise
+        except Exception as error:
+            _LOG.debug("the run broke", exc_info=True)
+            self._others.wait(error)
+            self._end(Outcome("failed", f"the run broke: {type(error).__name__}: {error}"))
+        finally:
+            self._run_s, self._lap = self._in_steps(), None
+        raise StopIteration
+
+    def close(self) -> None:
+        """End the run where it is, with the profile of its last state, and free the solvers."""
+        if self._outcome is None:
+            self._end(Outcome("interrupted", f"stopped at {self._time:g} min"))
+
+    @property
+    def result(self) -> Result:
+        """What was found so far, and how the run ended; interrupted, as long as it has not."""
+        rows, journal = self._journal.rows, self._journal
+        status, message = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
+        return Result(
+            history=History(rows),
+            profiles=Profiles(tuple(journal.profiles)),
+            status=status,
+            message=message + (remarks(rows) if status != "failed" else ""),
+            end_time=self._time,
+            dofs=dx.size_of(self._shell.space),
+            steps=max(0, len(rows) - 1),
+            rejected_steps=journal.rejected,
+            newton_iterations=journal.iterations,
+            timings=self._timings(),
+        )
+
+    @property
+    def _time(self) -> float:
+        """Time of the last accepted state in min."""
+        rows = self._journal.rows
+        return rows[-1].time_min if rows else 0.0
+
+    def _end(self, outcome: Outcome) -> None:
+        """Keep what an ended run leaves."""
+        self._outcome = outcome
+        self._steps.close()
+        try:
+            if outcome.status != "finished":
+                self._journal.save()
+            if self._keeper is not None and self._march is not None:
+                self._keeper.finish(self._march.checkpoint, self._timings())
+        except ObserverError:  # it has failed before, or fails where the run is completed
+            pass
+        finally:
+            self._free(outcome)
+
+    def _free(self, outcome: Outcome) -> None:
+        self._outcome = outcome
+        self._steps.close()
+        self._resources.close()
+        self._total_s = perf_counter() - self._began
+
+    def _in_steps(self) -> float:
+        """Seconds in the steps so far, between which the caller does what it likes."""
+        return self._run_s + (0.0 if self._lap is None else perf_counter() - self._lap)
+
+    def _timings(self) -> Timings:
+        """Where the time went so far, earlier parts of the run included."""
+        output_s = self._journal.output_s
+        return self._before + Timings(
+            compile_s=self._compile_s,
+            setup_s=self._setup_s,
+            loop_s=self._in_steps() - output_s,
+            output_s=output_s,
+            total_s=self._total_s or perf_counter() - self._began,
+        )
+
+
+class _Callback:
+    """A function as an observer of the accepted states."""
+
+    def __init__(self, call: Callable[[Row], None]) -> None:
+        self.accepted = call
+
+    def saved(self, profile: Profile) -> None:
+        """Nothing: the function asks for the rows."""
+
+
 def simulate(
     scene: Scene,
     *,
     energy: OwnLaw | None = None,
     growth_law: OwnLaw | None = None,
     observer: Observer | None = None,
+    callback: Callable[[Row], None] | None = None,
     comm: Any = None,
+    start: Start | None = None,
+    keep: Callable[[Checkpoint], None] | None = None,
 ) -> Result:
     """Run a scene from start to end.
 
@@ -113,73 +310,34 @@ def simulate(
         zone. Each is a function in UFL, or a `laws.Law` that gives it parameters.
     observer
         Is told of every accepted step and every saved profile, on rank 0 alone. What it raises
-        ends the run and is raised here.
+        ends the run and is raised here; other ranks raise a RuntimeError in its place.
+    callback
+        Called with the row of every accepted step: an observer in a word.
     comm
         MPI communicator whose ranks share the wall; all ranks of the world if left out. Every
         rank gets the history; the profiles are on rank 0.
+    start, keep
+        Where an earlier run is taken up, and what checkpoints are given to, as in `Simulation`.
 
     Returns
     -------
     Result
         History, profiles, and how the run ended.
     """
-    began = perf_counter()
-    shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
-    journal = Journal(shell, observer)
-    compiled = perf_counter()
-    tolerance = _precision(scene) * _force(scene, len(shell.discretisation.nodes))
-    with Equilibrium(shell, tolerance) as equilibrium, Stability(shell) as stability:
-
-        def run() -> Outcome:
-            if scene.path is not None:
-                return walk(scene, scene.path, shell, stability, journal, tolerance)
-            tableau = TABLEAUX[scene.numerics.integrator]
-            evolution = Evolution(shell, equilibrium, tableau, turgor(scene))
-            solvers = (equilibrium, stability, evolution, tableau)
-            return March(scene, shell, *solvers, journal, tolerance).go()
-
-        loop = perf_counter()
-        outcome = _guarded(run, journal)
-        loop_s = perf_counter() - loop - journal.output_s
-    rows = journal.rows
-    message = outcome.message + (remarks(rows) if outcome.status != "failed" else "")
-    return Result(
-        history=History(rows),
-        profiles=Profiles(tuple(journal.profiles)),
-        status=outcome.status,
-        message=message,
-        end_time=rows[-1].time_min if rows else 0.0,
-        dofs=dx.size_of(shell.space),
-        steps=max(0, len(rows) - 1),
-        rejected_steps=journal.rejected,
-        newton_iterations=journal.iterations,
-        timings=Timings(
-            compile_s=compiled - began,
-            setup_s=loop - compiled,
-            loop_s=loop_s,
-            output_s=journal.output_s,
-            total_s=perf_counter() - began,
-        ),
-    )
-
-
-def _guarded(run: Callable[[], Outcome], journal: Journal) -> Outcome:
-    """Outcome of a run that may be interrupted or break; its last state is kept."""
-    try:
-        outcome = run()
-    except ObserverError as error:
-        assert error.__cause__ is not None
-        raise error.__cause__ from None
-    except KeyboardInterrupt:
-        time = journal.rows[-1].time_min if journal.rows else 0.0
-        outcome = Outcome("interrupted", f"interrupted at {time:g} min")
-    except Exception as error:
-        _LOG.debug("the run broke", exc_info=True)
-        outcome = Outcome("failed", f"the run broke: {type(error).__name__}: {error}")
-    if outcome.status != "finished":
-        with suppress(ObserverError):  # it has failed before, or fails in `finish` again
-            journal.save()
-    return outcome
+    with Simulation(
+        scene,
+        energy=energy,
+        growth_law=growth_law,
+        observer=observer,
+        callback=callback,
+        comm=comm,
+        start=start,
+        keep=keep,
+    ) as simulation:
+        with suppress(KeyboardInterrupt):  # told in the result
+            for _ in simulation:
+                pass
+        return simulation.result
 
 
 def _precision(scene: Scene) -> float:

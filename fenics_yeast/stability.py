@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from . import _dolfinx as dx
 from .shell import Shell
 
 _SAME = 2e-3  # change of the volume up to which a count is taken over
+
+
+@dataclass(frozen=True)
+class Count:
+    """Number of directions in which the potential fell, at a volume in µm³ and pressure in MPa."""
+
+    falling: int = 0
+    volume: float = 0.0
+    pressure: float = 0.0
 
 
 class Stability:
@@ -14,11 +25,16 @@ class Stability:
     The shear force is a multiplier in the mixed potential: each of its unknowns gives the tangent
     one negative eigenvalue. A state is stable if there are no more. Only axisymmetric
     perturbations are seen.
+
+    Attributes
+    ----------
+    last
+        The last count.
     """
 
     def __init__(self, shell: Shell) -> None:
         self._shell = shell
-        self._falling, self._place = 0, (0.0, 0.0)
+        self.last = Count()
         self._matrix = dx.create_matrix(shell.tangent)
         self._matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
         self._multipliers = dx.size_of_second(shell.space)
@@ -46,18 +62,17 @@ class Stability:
         It is counted anew where the volume has moved since the last count, or the pressure:
         towards a limit point the volume moves ever faster.
         """
-        place = (self._shell.volume(), float(self._shell.pressure.value))
-        if self._near(place):
-            return self._falling
-        self._falling, self._place = self._count(), place
-        return self._falling
+        volume, pressure = self._shell.volume(), float(self._shell.pressure.value)
+        if not self._near(volume, pressure):
+            self.last = Count(self._count(), volume, pressure)
+        return self.last.falling
 
-    def _near(self, place: tuple[float, float]) -> bool:
+    def _near(self, volume: float, pressure: float) -> bool:
         """Whether the last count was in a state that looks the same from here."""
-        volume, pressure = self._place
         if self._shell.force is not None:  # which may move the wall at constant volume
             return False
-        return abs(place[0] - volume) < _SAME * volume and place[1] == pressure
+        moved = abs(volume - self.last.volume)
+        return moved < _SAME * self.last.volume and pressure == self.last.pressure
 
     def _count(self) -> int:
         dx.assemble_matrix(self._matrix, self._shell.tangent, self._shell.conditions)

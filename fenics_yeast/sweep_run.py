@@ -155,6 +155,12 @@ class _UntilStopped:
     def saved(self, profile: object) -> None:
         return
 
+    def taken_up(self, row: object, rows: int) -> None:
+        return
+
+    def note(self, line: str) -> None:
+        return
+
     def refining(self, part: str) -> None:
         return
 

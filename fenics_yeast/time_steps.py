@@ -3,12 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import ceil
+from dataclasses import dataclass
+from math import ceil, isclose
 
 _CUT = 0.5
 _GROWTH = 4.0  # largest growth of a step from one to the next
 _SAFETY = 0.9
 _LEAST = 2.0**-20  # of the first step
+_SAME = 1e-12  # relative difference of times that are one
+
+
+def same_time(a: float, b: float) -> bool:
+    """Whether two times are too near to each other for a step between them."""
+    return isclose(a, b, rel_tol=_SAME)
+
+
+@dataclass(frozen=True)
+class Controller:
+    """What the next steps depend on: wanted and last length in min, last error, failures, cuts."""
+
+    wanted: float
+    taken: float
+    last_error: float
+    failures: int
+    cuts: int
 
 
 class TimeSteps:
@@ -45,8 +63,7 @@ class TimeSteps:
 
     def propose(self, time: float, longest: float = float("inf")) -> float | None:
         """End of the next step from a time, of a bounded length; None at the end of the run."""
-        tiny = 1e-12 * self._milestones[-1]
-        ahead = [t for t in self._milestones if t > time + tiny]
+        ahead = [t for t in self._milestones if t > time and not same_time(t, time)]
         if not ahead:
             return None
         span = ahead[0] - time
@@ -60,6 +77,16 @@ class TimeSteps:
         end = self.propose(time)
         self._wanted = wanted
         return end
+
+    def memory(self) -> Controller:
+        """What the next steps depend on."""
+        return Controller(self._wanted, self._taken, self._last_error, self.failures, self.cuts)
+
+    def restore(self, memory: Controller) -> None:
+        """Go on as an earlier run would have."""
+        self._wanted, self._taken = memory.wanted, memory.taken
+        self._last_error = memory.last_error
+        self.failures, self.cuts = memory.failures, memory.cuts
 
     @property
     def exhausted(self) -> bool:

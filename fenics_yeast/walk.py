@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 from .equilibrium import Equilibrium, EquilibriumError
 from .journal import Journal
 from .outcome import Outcome, overloaded, overloaded_by_force
@@ -19,8 +21,8 @@ def walk(
     stability: Stability,
     journal: Journal,
     tolerance: float,
-) -> Outcome:
-    """Follow the path of a scene from its unloaded wall; a row for each point, at time 0.
+) -> Generator[Row, None, Outcome]:
+    """Follow the path of a scene from its unloaded wall; yields a row for each point, at time 0.
 
     Parameters
     ----------
@@ -36,10 +38,10 @@ def walk(
     plane, goal = _plane(scene, path, shell)
     if (lost := _preload(shell, plane, scene, tolerance)) is not None:
         return lost
-    journal.accept(0.0, 0.0, 0, stability.falling() == 0)
+    yield journal.accept(0.0, 0.0, 0, stability.falling() == 0)
     try:
         for iterations in follow(shell, plane, path.control, goal, path.steps, tolerance):
-            journal.accept(0.0, 0.0, iterations, stability.falling() == 0)
+            yield journal.accept(0.0, 0.0, iterations, stability.falling() == 0)
     except PathError as error:
         return _ended(path, shell, journal, tolerance, error)
     journal.save()

@@ -71,6 +71,7 @@ def tree(folder: Path) -> set[str]:
 
 
 FILES = {
+    "checkpoint.npz",
     "scene.toml", "history.csv", "profiles.npz", "run.json", "figures/shapes.png",
     "figures/volume.png", "surface.pvd", "surface/0000.vtu",
 }  # fmt: skip
