@@ -345,6 +345,8 @@ class Evolution:
             for s in (*times[:i], *times[i + 1 :]):
                 weight *= (time - s) / (t - s)
             start += weight * w
+        held = self.shell.constrained  # where the weights' round-off would add up
+        start[held] = self.state.wall.w[held]
         return start
 
     def _capture(self, time: float) -> State:

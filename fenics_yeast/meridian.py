@@ -22,10 +22,10 @@ from ._cell import (
     SpheroidCell,
 )
 from .curves import Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
-from .zones import Interval, Intervals, apart, edges, intervals, merged
+from .zones import Interval, Intervals, apart, edges, intervals, merged, neck, within
 
 if TYPE_CHECKING:
-    from ._cell import AnyCell
+    from ._cell import AnyCell, Pole
     from ._growth import Polarity
     from .scene import Scene
 
@@ -62,6 +62,11 @@ class Discretisation:
     ends: tuple[End, End] = ("pole", "pole")
     wall_zones: tuple[Intervals, ...] = ()
     loaded: float | None = None
+
+    @property
+    def ends_at(self) -> tuple[float, float]:
+        """Arc length of the lower and the upper end in µm."""
+        return float(self.nodes[0]), float(self.nodes[-1])
 
     @property
     def growing(self) -> Intervals:
@@ -102,7 +107,9 @@ def discretise(scene: Scene) -> Discretisation:
     load = [] if loaded is None else [loaded]
     rings = [s for s in load if s < curve.length]
     zones = [part for parts in (*growing, *walls) for part in parts]
-    inner = apart([*edges(zones, curve), *curve.joints, *rings])
+    septum = _septum(scene, curve)
+    septa = [] if septum is None else [septum]
+    inner = apart([*edges(zones, curve), *curve.joints, *rings, *septa])
     outer = [s for s, end in zip((0.0, curve.length), ends, strict=True) if end != "pole"]
     layer = float(np.sqrt(scene.cell.radius * min(scene.wall.thicknesses)))
     density: Callable[[Array], Array] = np.ones_like
@@ -126,7 +133,30 @@ def discretise(scene: Scene) -> Discretisation:
     if loaded is not None:
         loaded = float(places[abs(nodes - loaded).argmin()])
     grown, walled = (tuple(map(at_nodes, zones)) for zones in (growing, walls))
-    return Discretisation(cut, places, grown, ends, walled, loaded)
+    whole = Discretisation(cut, places, grown, ends, walled, loaded)
+    if septum is None or scene.septum is None or scene.septum.piece is None:
+        return whole
+    return _piece(whole, int(abs(nodes - septum).argmin()), scene.septum.piece)
+
+
+def _septum(scene: Scene, curve: Curve) -> float | None:
+    """Arc length in µm of a scene's septum."""
+    if scene.septum is None:
+        return None
+    return neck(scene.growing, curve) if scene.septum.at is None else scene.septum.at
+
+
+def _piece(whole: Discretisation, node: int, side: Pole) -> Discretisation:
+    """What of a meridian lies on one side of a node, held there."""
+    below = side == "bottom"
+    nodes = whole.nodes[: node + 1] if below else whole.nodes[node:]
+    start, end = float(nodes[0]), float(nodes[-1])
+    zones, wall_zones = (
+        tuple(within(parts, start, end) for parts in each)
+        for each in (whole.zones, whole.wall_zones)
+    )
+    ends: tuple[End, End] = ("pole", "clamped") if below else ("clamped", "pole")
+    return Discretisation(whole.curve, nodes, zones, ends, wall_zones)
 
 
 def _loaded(scene: Scene, curve: Curve) -> float | None:

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class Sizes(NamedTuple):
-    """Height of the top pole above the bottom pole, largest radius of the growing zones, largest
+    """Height of the upper above the lower end, largest radius of the growing zones, largest
     radius at their edges, in µm, and the largest growth strain; 0 for what the wall has not.
     """
 
@@ -38,17 +38,18 @@ class Probe:
         self._R, self._Z = curve.radius(self._S), curve.height(self._S)
         self._Phi = curve.angle(self._S)
         near = 1e-9 * curve.length
-        top = np.abs(self._S - curve.length) < near
+        bottom, top = (np.abs(self._S - S) < near for S in shell.discretisation.ends_at)
         edge = bud = np.zeros(len(self._S), dtype=bool)
         for zone in growing:
             bud = bud | (zone.start - near < self._S) & (self._S < zone.end + near)
         for s in edges(growing, curve):
             edge = edge | (np.abs(self._S - s) < near)
-        # Of each quantity: reference values at the nodes that count, and their displacements.
+        # Of each quantity: reference values at the nodes that count, their displacements, a sign.
         self._watched = [
-            (self._Z[top] - curve.height(np.zeros(1)), self._dofs[top, 1]),
-            (self._R[bud], self._dofs[bud, 0]),
-            (self._R[edge], self._dofs[edge, 0]),
+            (self._Z[bottom], self._dofs[bottom, 1], -1),
+            (self._Z[top], self._dofs[top, 1], 1),
+            (self._R[bud], self._dofs[bud, 0], 1),
+            (self._R[edge], self._dofs[edge, 0], 1),
         ]
         self._w = shell.w.x.array
         owned = shell.mesh.topology.index_map(1).size_local
@@ -71,13 +72,14 @@ class Probe:
 
     def sizes(self) -> Sizes:
         """Sizes of the wall in the trial state, the same on all ranks."""
-        values = [X + self._w[dofs] for X, dofs in self._watched]
+        values = [sign * (X + self._w[dofs]) for X, dofs, sign in self._watched]
         if self._shell.growth is not None:
             values.append(self._shell.growth.get())
-        largest = np.zeros(4)
+        largest = np.zeros(5)
         largest[: len(values)] = [v.max(initial=-np.inf) for v in values]
         self._shell.comm.Allreduce(dx.MPI.IN_PLACE, largest, op=dx.MPI.MAX)
-        return Sizes(*np.where(np.isfinite(largest), largest, 0.0).tolist())
+        below, above, *others = np.where(np.isfinite(largest), largest, 0.0).tolist()
+        return Sizes(above + below, *others)
 
     def profile(self, time: float) -> Profile | None:
         """Profile of the wall; None but on rank 0."""

@@ -23,6 +23,7 @@ from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numer
 from fenics_yeast._quantities import refusal
 from fenics_yeast._run import Control, Run, StaticPath, Until
 from fenics_yeast._scene_errors import SceneError, explain, value_text
+from fenics_yeast._septum import Septum
 from fenics_yeast._table import Table
 from fenics_yeast._turgor import PressureTable, Turgor
 from fenics_yeast._wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
@@ -46,6 +47,7 @@ __all__ = [
     "Run",
     "Scene",
     "SceneError",
+    "Septum",
     "StaticPath",
     "Turgor",
     "Until",
@@ -74,6 +76,9 @@ class Scene(Table):
     )
     growth: OneOrMore | None = Field(
         default=None, description="growth of the wall, of one zone or more; None: an elastic scene"
+    )
+    septum: Septum | None = Field(
+        default=None, description="where the cell separates into two; None: it does not"
     )
     run: Run | None = Field(default=None, description="time span; None: a single equilibrium")
     path: StaticPath | None = Field(
@@ -116,6 +121,8 @@ class Scene(Table):
         for i, growth in enumerate(self.growing):
             if growth.polarity is not None:
                 self._has_centre(growth.polarity, key.format(i).replace("zone", "polarity"))
+        if self.septum is not None:
+            self._can_separate(self.septum)
         return self
 
     def _bears_its_load(self) -> None:
@@ -173,6 +180,24 @@ class Scene(Table):
         if polarity.centre > length:
             allowed = f"the meridian ends at {length:.6g} µm"
             raise refusal("", allowed=allowed, key=f"{key}.centre")
+
+    def _can_separate(self, septum: Septum) -> None:
+        """Refuse a septum that is not across a closed cell, or has no place of its own."""
+        if not self.cell.closed:
+            allowed = f"a closed cell is wanted, and a {self.cell.shape} is none"
+            raise refusal("", allowed=allowed, key="septum")
+        if septum.piece is not None and self.axial_load is not None:
+            raise refusal("", allowed="a piece bears no load: leave out [load]", key="septum.piece")
+        from fenics_yeast.meridian import reference_curve
+        from fenics_yeast.zones import neck
+
+        curve = reference_curve(self.cell)
+        if septum.at is None and neck(self.growing, curve) is None:
+            allowed = "an arc length is wanted where there is no neck, or more than one"
+            raise refusal("", allowed=allowed, key="septum.at")
+        if septum.at is not None and septum.at >= curve.length:
+            allowed = f"the meridian ends at {curve.length:.6g} µm"
+            raise refusal("", allowed=allowed, key="septum.at")
 
     def _has_pole(self, pole: str | None, key: str) -> None:
         if pole is not None and pole not in self.cell.poles:

@@ -227,7 +227,7 @@ class Shell:
 
     def _constrain_ends(self) -> None:
         """Hold what regularity asks at the poles, and what the edges' supports take."""
-        ends = zip(self.discretisation.ends, (0.0, self.discretisation.curve.length), strict=True)
+        ends = zip(self.discretisation.ends, self.discretisation.ends_at, strict=True)
         held = [(i, S) for end, S in ends for i in _HELD[end] if self.bending or i < _ROTATION]
         if all(i != _AXIAL for i, _ in held):
             held.append((_AXIAL, 0.0))  # else a closed cell could move along its axis

@@ -16,6 +16,7 @@ from .agreement import Others
 from .checkpoint import Checkpoint, Start
 from .equilibrium import Equilibrium
 from .evolution import Evolution
+from .handover import take_over
 from .integrators import TABLEAUX
 from .journal import Journal, ObserverError
 from .keeper import Keeper, local
@@ -109,7 +110,7 @@ class Simulation:
 
     Parameters
     ----------
-    scene, energy, growth_law, observer, callback, comm
+    scene, energy, growth_law, observer, callback, comm, state
         As in `simulate`.
     start
         Where an earlier run of the scene is taken up; the same on all ranks, but for profiles,
@@ -133,6 +134,7 @@ class Simulation:
         observer: Observer | None = None,
         callback: Callable[[Row], None] | None = None,
         comm: Any = None,
+        state: Profile | None = None,
         start: Start | None = None,
         keep: Callable[[Checkpoint], None] | None = None,
     ) -> None:
@@ -140,6 +142,8 @@ class Simulation:
         self._shell = shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
         called = None if callback is None else _Callback(callback)
         self._journal = Journal(shell, [each for each in (observer, called) if each is not None])
+        if shell.comm.bcast(state is not None):
+            take_over(shell, state)
         compiled = perf_counter()
         tolerance = _precision(scene) * _force(scene, len(shell.discretisation.nodes))
         self._resources = resources = ExitStack()
@@ -294,6 +298,7 @@ def simulate(
     observer: Observer | None = None,
     callback: Callable[[Row], None] | None = None,
     comm: Any = None,
+    state: Profile | None = None,
     start: Start | None = None,
     keep: Callable[[Checkpoint], None] | None = None,
 ) -> Result:
@@ -316,6 +321,9 @@ def simulate(
     comm
         MPI communicator whose ranks share the wall; all ranks of the world if left out. Every
         rank gets the history; the profiles are on rank 0.
+    state
+        The wall at time 0, in place of the unloaded one: a profile of a run on the same nodes,
+        or of one of which the scene is a piece (see `septum`).
     start, keep
         Where an earlier run is taken up, and what checkpoints are given to, as in `Simulation`.
 
@@ -331,6 +339,7 @@ def simulate(
         observer=observer,
         callback=callback,
         comm=comm,
+        state=state,
         start=start,
         keep=keep,
     ) as simulation:

@@ -14,6 +14,7 @@ from .curves import Cap, Curve, Sphere
 
 if TYPE_CHECKING:
     from ._cell import Pole
+    from ._growth import Growth
     from ._zone import Zone
 
 Array = NDArray[np.float64]
@@ -105,6 +106,19 @@ def edges(parts: Iterable[Interval], curve: Curve) -> list[float]:
     near = _TINY * curve.length
     ends = (s for part in parts for s in (part.start, part.end))
     return apart(s for s in ends if near < s < curve.length - near)
+
+
+def neck(growing: Iterable[Growth], curve: Curve) -> float | None:
+    """Edge of what grows, in µm of arc length; None where there is not one alone."""
+    parts = merged(part for growth in growing for part in intervals(growth.zone, curve))
+    found = edges(parts, curve)
+    return found[0] if len(found) == 1 else None
+
+
+def within(parts: Intervals, start: float, end: float) -> Intervals:
+    """What of some intervals lies between two arc lengths."""
+    cut = (Interval(max(part.start, start), min(part.end, end)) for part in parts)
+    return tuple(part for part in cut if part.start < part.end)
 
 
 def apart(places: Iterable[float]) -> list[float]:

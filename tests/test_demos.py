@@ -104,12 +104,25 @@ def chitin_ring(text: str) -> None:
     assert text.count("finished") == 2
 
 
+def septum(text: str) -> None:
+    """Nothing moves at the cut; the mother buds as she did before, the daughter ends at 90 min."""
+    rows = re.findall(r"^(\w+): (\S+) µm³ after (\d+) min", text, re.M)
+    volume = {(name, int(time)): float(value) for name, value, time in rows}
+    both = volume["mother", 0] + volume["daughter", 0]
+    assert both == pytest.approx(volume["whole", 85], rel=1e-10)
+    assert volume["daughter", 80] > 1.3 * volume["daughter", 0]
+    budded = volume["mother", 80] - volume["mother", 0]
+    assert budded == pytest.approx(volume["whole", 85] - 67.65, rel=0.25)
+    assert text.count("finished") == 3
+
+
 NUMBERS: dict[str, Callable[[str], None]] = {
     "speed_against_error": speed_against_error,
     "fig6_threshold": fig6,  # the longest first: two run at a time
     "fig5_growth_time": fig5,
     "tip_growth": tip_growth,
     "chitin_ring": chitin_ring,
+    "septum": septum,
     "fig4_bud": fig4,
     "balloon": balloon,
     "own_law": own_law,

@@ -1,0 +1,53 @@
+"""Mother and daughter: a septum closes the neck at 85 min, and both go on as cells of their own.
+
+The septum is a rigid disc: it holds radius and rotation of the wall at the neck. Each piece begins
+with the wall as the cut has left it, so that nothing moves at the cut and the two volumes add up to
+that of the whole. The daughter grows until 90 min; the mother buds again at her other pole.
+"""
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from fenics_yeast import Scene, simulate
+from fenics_yeast.meridian import discretise
+from fenics_yeast.septum import pieces
+
+CUT = 85.0
+bud = Scene.load(Path(__file__).parent / "scenes" / "bud.toml").with_values({"numerics": {}})
+first = bud.growth.model_dump(exclude_unset=True) | {"until": 90.0}
+second = first | {"zone": {"pole": "bottom", "half_angle": 24}, "from": CUT, "until": 200}
+neck = discretise(bud).growing[0].start
+bud = bud.with_values(
+    {"growth": [first, second], "septum.at": neck, "run": {"end": 165}, "numerics.elements": 64}
+)
+whole = simulate(bud.with_values({"run": {"end": CUT}}))
+lower, upper = pieces(bud, CUT)
+mother, daughter = (simulate(piece, state=whole.profiles.at(CUT)) for piece in (lower, upper))
+for name, result in (("whole", whole), ("mother", mother), ("daughter", daughter)):
+    print(f"{name}: {result.status}, {result.message}")
+    for row in (result.history.rows[0], result.history.rows[-1]):
+        print(f"{name}: {row.volume_um3:.12f} µm³ after {row.time_min:g} min")
+sum_of_both = mother.history.volume_um3[0] + daughter.history.volume_um3[0]
+gap = sum_of_both / whole.history.volume_um3[-1] - 1
+print(f"At the cut the volumes add up to {gap:.0e}")
+
+figure = Path("out/septum.png")
+figure.parent.mkdir(exist_ok=True)
+fig, (shapes, volumes) = plt.subplots(1, 2, figsize=(7.2, 4.0), layout="constrained")
+cells = {"whole": (whole, "0.5"), "mother": (mother, "#0072b2"), "daughter": (daughter, "#d55e00")}
+for name, (result, colour) in cells.items():
+    wall, history, after = result.profiles.all[-1], result.history, result is not whole
+    lift = 1.0 if result is daughter else 0.0
+    r, z = np.r_[-wall.r[::-1], wall.r] + 7 * after, np.r_[wall.z[::-1], wall.z] + lift
+    shapes.fill(r, z, facecolor="none", edgecolor=colour, lw=1.5)
+    volumes.plot(history.time_min + CUT * after, history.volume_um3, color=colour, label=name)
+shapes.set(xlabel="r (µm)", ylabel="z (µm)", aspect="equal", title="85 min, and 165 min")
+volumes.set(xlabel="time (min)", ylabel="volume (µm³)", ylim=(0, None), xlim=(0, None))
+volumes.legend(frameon=False, loc="center left")
+fig.savefig(figure, dpi=200)
+print(f"Shapes and volumes: {figure}")
