@@ -51,6 +51,11 @@ class _Shape(Table):
         return True
 
     @property
+    def layers(self) -> int:
+        """Number of places with a boundary layer: edges, and jumps of the curvature."""
+        return sum(end != "pole" for end in self.ends)
+
+    @property
     def closed(self) -> bool:
         """Whether the mid-surface has no edge."""
         return self.ends == ("pole", "pole")
@@ -112,6 +117,10 @@ class CapsuleCell(_Shape):
     @property
     def least_radius(self) -> float:
         return self.radius
+
+    @property
+    def layers(self) -> int:
+        return 2
 
 
 class ProfileCell(_Shape):

@@ -66,3 +66,13 @@ class Zone(_Stretch):
             allowed = f"more than {start} ({getattr(self, start):g}) is wanted"
             raise refusal("", allowed=allowed, key=end)
         return self
+
+    @property
+    def parts(self) -> int:
+        """Number of connected parts."""
+        return 2 if self.pole == "both" else 1
+
+    @property
+    def layers(self) -> int:
+        """Number of edges within the wall; those of a stretch may lie at its ends."""
+        return self.parts if self.pole is not None else 2

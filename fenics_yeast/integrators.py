@@ -71,7 +71,7 @@ def _sdirk3() -> Tableau:
     g = float(np.roots([1, -3, 1.5, -1 / 6])[1].real)  # the root between 1/6 and 1/2
     b1, b2 = -(6 * g**2 - 16 * g + 1) / 4, (6 * g**2 - 20 * g + 5) / 4
     A = np.array([[g, 0.0, 0.0], [(1 - g) / 2, g, 0.0], [b1, b2, g]])
-    return Tableau("sdirk3", A, 3, np.array([g, 1 - 2 * g, 0.0]) / (1 - g), 3, 50.0)
+    return Tableau("sdirk3", A, 3, np.array([g, 1 - 2 * g, 0.0]) / (1 - g), 3, 20.0)
 
 
 TABLEAUX = {

@@ -7,12 +7,12 @@ from enum import Enum
 from math import copysign
 
 from .equilibrium import EquilibriumError
-from .evolution import Evolution
+from .evolution import LIMIT_POINT, Evolution
 from .record import Row
 from .volume_control import VolumeControl
 
 _SHARPNESS = 2e-5  # of the time: how near the limit point is found
-_LARGEST_STEP = 0.02  # of the volume
+_LARGEST_STEP = 0.02  # of the volume; for a wanted error of V/V0 of 1e-4 or less, half of it
 _LEAST_STEP = 1e-7
 _MOST_STEPS = 40
 
@@ -28,6 +28,7 @@ class Approach(Enum):
 def approach(
     evolution: Evolution,
     tolerance: float,
+    precision: float,
     growth_rate: float,
     milestone: float,
     note: Callable[[int, float], Row],
@@ -42,6 +43,8 @@ def approach(
         The wall at its accepted state, under constant pressure.
     tolerance
         Norm of the residual in µN at which it counts as zero.
+    precision
+        Wanted relative error of the volume.
     growth_rate
         Rate of the volume at the accepted state in µm³/min, not zero.
     milestone
@@ -58,7 +61,8 @@ def approach(
     if shell.growth is None:
         raise ValueError("an elastic wall does not change in time")
     spent = 0
-    largest = copysign(_LARGEST_STEP * shell.volume(), growth_rate)
+    fraction = _LARGEST_STEP * min(1.0, 0.5 * (precision / 1e-4) ** (1 / LIMIT_POINT.order))
+    largest = copysign(fraction * shell.volume(), growth_rate)
     change = 0.5 * largest
     with VolumeControl(shell, shell.growth.stage, tolerance) as control:
         for _ in range(_MOST_STEPS):

@@ -22,6 +22,7 @@ from .time_steps import TimeSteps, same_time
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
 _FIRST_STEP = 1e-3  # of the characteristic time of growth, where steps are adaptive
 _SLOW = 0.02  # rate V'/V0 of growth, times its characteristic time, below which it counts as slow
+_FAST = 0.25  # rate V'/V above which it counts as fast, and errors are held to the volume itself
 _GIVEN = 1e-4  # of the characteristic time: a step in which growth counts as given
 _STILL = 1e-7  # change of the volume in a step after which it is asked whether anything grows
 
@@ -242,13 +243,16 @@ class March:
         """Estimated error of the volume, 1 being the largest wanted.
 
         An error of the volume acts like a shift in time by it over `V'`, and shifts add up over
-        the run: it is held against what the cell grows in the characteristic time.
+        the run: it is held against what the cell grows in the characteristic time. In fast growth
+        the shift is multiplied by what is still to come, and it is held against the volume.
         """
         growth_time, journal = self._scene.growth_time, self._journal
         if growth_time is None:
             return 0.0
-        grown = abs(self._shell.volume() - journal.rows[-1].volume_um3) * growth_time / dt
-        wanted = self._scene.numerics.tolerance * max(grown, _SLOW * journal.volume_0)
+        volume = self._shell.volume()
+        grown = abs(volume - journal.rows[-1].volume_um3) * growth_time / dt
+        grown = min(max(grown, _SLOW * journal.volume_0), _FAST * volume)
+        wanted = self._scene.numerics.tolerance * grown
         return abs(error) / (self._tableau.caution * wanted)
 
     @property
@@ -293,7 +297,8 @@ class March:
         if not self._growing or grown == 0:
             return False
         rate = grown / rows[-1].step_min
-        walk = approach(self._evolution, self._tolerance, rate, end, self._accept)
+        precision = self._scene.numerics.tolerance
+        walk = approach(self._evolution, self._tolerance, precision, rate, end, self._accept)
         verdict, spent = yield from walk
         self._evolution.forget()
         self._journal.spend(spent)

@@ -19,7 +19,15 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from fenics_yeast._cell import AnyCell, Cell
 from fenics_yeast._growth import Growth, OneOrMore, Polarity
 from fenics_yeast._load import Load
-from fenics_yeast._numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
+from fenics_yeast._numerics import (
+    PRESETS,
+    Geometry,
+    Grading,
+    Integrator,
+    Numerics,
+    Preset,
+    elements_for,
+)
 from fenics_yeast._quantities import refusal
 from fenics_yeast._run import Control, Run, StaticPath, Until
 from fenics_yeast._scene_errors import SceneError, explain, value_text
@@ -155,6 +163,23 @@ class Scene(Table):
         if load.at is not None and load.at >= length:
             allowed = f"an arc length less than that of the meridian ({length:.6g} µm) is wanted"
             raise refusal("", allowed=allowed, key="load.at")
+
+    @model_validator(mode="after")
+    def _fit_elements(self) -> Self:
+        """Give the number of elements that this scene needs, unless one was asked for."""
+        numerics = self.numerics
+        given = numerics.model_fields_set
+        if "elements" in given or PRESETS[numerics.preset].elements is not None:
+            return self
+        zones = [growth.zone for growth in self.growing]
+        layers = self.cell.layers + sum(zone.layers for zone in (*zones, *self.wall.zone))
+        layers += 2 * sum(growth.polarity is not None for growth in self.growing)
+        if self.axial_load is not None:
+            layers += 2 if self.cell.closed else 1  # the load, and the pole that bears it
+        elements = elements_for(numerics.tolerance, sum(zone.parts for zone in zones), layers)
+        values = dict(numerics) | {"elements": elements}
+        self.__dict__["numerics"] = Numerics.model_construct(given, **values)  # frozen
+        return self
 
     def _have_places(self, zones: Sequence[Zone], key: str) -> None:
         """Refuse zones that are not on the cell or overlap; their key has a place for a number."""

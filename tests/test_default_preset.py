@@ -22,6 +22,17 @@ BUDS = {
         "run.end": 60.0,
         "run.save": (20.0, 40.0, 50.0, 60.0),
     },
+    "wide zone, fast growth": {
+        "growth.zone.half_angle": 120.0,
+        "run.end": 12.5,
+        "run.save": (5.0, 10.0, 12.5),
+    },
+    "thin wall": {
+        "wall.thickness": 0.0025,
+        "turgor.pressure": 0.20265 / 40,
+        "run.end": 80.0,
+        "run.save": (40.0, 80.0),
+    },
 }
 
 

@@ -27,7 +27,7 @@ def grown(scene: Scene, *zones: dict[str, object]):
 
 def test_zones_at_both_poles_grow_a_symmetric_cell(coarse):
     cap = {"half_angle": 24.0}
-    scene = coarse.with_values({"numerics.elements": 32})
+    scene = coarse.with_values({"numerics.elements": 33})
     result = grown(scene, {"zone": {"pole": "top", **cap}}, {"zone": {"pole": "bottom", **cap}})
     wall = result.profiles.at(30)
     middle = (wall.z[0] + wall.z[-1]) / 2
