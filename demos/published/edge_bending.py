@@ -1,8 +1,8 @@
 """How far the bending of a clamped edge reaches into a cylinder and into a half sphere.
 
-S. Timoshenko and S. Woinowsky-Krieger, Theory of plates and shells, 1959, chapters 15 and
-16: under pressure the wall moves outward by 1 - exp(-x/l) (cos x/l + sin x/l), in parts of what it
-does far from the edge, with the length l = √(R h)/(3 (1 - ν²))^¼. For the sphere that is Geckeler's
+S. Timoshenko and S. Woinowsky-Krieger, Theory of plates and shells, 1959, chapters 15 and 16: under
+pressure the wall moves outward by 1 - exp(-x/l) (cos x/l + sin x/l), in parts of what it does far
+from the edge, with the length l = √(R h)/(3 (1 - ν²))^¼. For the sphere that is Geckeler's
 approximation, the first term in √(h/R).
 """
 
