@@ -43,7 +43,7 @@ class Others:
         words = f"{type(error).__name__}: {error}".replace("\n", " ")
         print(
             f"error: the run broke on rank {self._comm.rank} alone, and ends on all: {words}; "
-            "its last checkpoint is kept: go on with --resume",
+            "what it has written stays",
             file=sys.stderr,
             flush=True,
         )
