@@ -22,9 +22,18 @@ from typing import Any, Protocol
 
 from .job import DolfinxMissing, RunLost, run_into
 from .output import OutputError, writing
+from .record import Result
 from .scene import SceneError
 from .sweep import Case
-from .sweep_table import TABLE, CaseRow, finished_row, read_table, row_of, write_table
+from .sweep_table import (
+    TABLE,
+    CaseRow,
+    finished_row,
+    read_table,
+    row_of,
+    was_cut_short,
+    write_table,
+)
 
 # A process that runs cases has one of each.
 _STOP = Event()  # its case ends with the step that it is at
@@ -166,18 +175,19 @@ class _UntilStopped:
 
 
 def _work(directory: Path, case: Case) -> str:
-    """Run a case; give what its folder cannot tell."""
+    """Run a case, on from where it was interrupted; give what its folder cannot tell."""
     from mpi4py import MPI
+
+    def run(resume: bool) -> Result:
+        place, screen, alone = directory / case.name, _UntilStopped(), MPI.COMM_SELF
+        return run_into(place, case.scene, screen=screen, comm=alone, figures=False, resume=resume)
 
     with _BUSY:
         try:
-            result = run_into(
-                directory / case.name,
-                case.scene,
-                screen=_UntilStopped(),
-                comm=MPI.COMM_SELF,
-                figures=False,
-            )
+            try:
+                result = run(resume=was_cut_short(directory, case))
+            except OutputError:  # its checkpoint is damaged
+                result = run(resume=False)
         except (OutputError, RunLost) as error:
             return str(error)
         if result.status == "interrupted" and not _STOP.is_set():

@@ -93,6 +93,18 @@ def finished_row(directory: Path, case: Case) -> CaseRow | None:
     return row if row is not None and row.answered else None
 
 
+def was_cut_short(directory: Path, case: Case) -> bool:
+    """Whether the case's folder holds a run of this very scene that has come to no end."""
+    folder = directory / case.name
+    try:
+        ending = load_ending(folder)
+        return load_scene(folder) == case.scene and (
+            ending is None or ending.status not in _ANSWERS
+        )
+    except (OutputError, SceneError):
+        return False
+
+
 def write_table(directory: Path, keys: Sequence[str], rows: Iterable[CaseRow]) -> None:
     """Write the table in place of an earlier one, as one file at once.
 
