@@ -7,9 +7,9 @@ from statistics import median
 from time import perf_counter
 
 _FEWEST = 8  # steps before which nothing can be said
-_PART = 3  # the last of so many parts of the steps tells how they change
+_PART = 2  # the last of so many parts of the steps tells how they change
 _MOST = 300  # steps that are looked at
-_GROWTH, _DECAY = 0.3, -3.0  # bounds of their exponent
+_GROWTH, _DECAY = 0.2, -3.0  # bounds of their exponent
 
 
 class TimeLeft:

@@ -121,10 +121,10 @@ def test_the_time_left_is_believable_where_steps_follow_the_growth(cell_scene: S
     simulate(scene, observer=clock)
     total = len(clock.estimates) - 1
     assert total > 500
-    for done in range(total // 20, total - total // 20):
+    for done in range(total // 20, total - total // 20):  # within three times, either way
         estimate = clock.estimates[done]
         assert estimate is not None
-        assert 0.4 < estimate / (total - done) < 2.5
+        assert 1 / 3 < estimate / (total - done) < 3
 
 
 def test_the_time_left_of_equal_steps_is_exact() -> None:
