@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 from .scene import Scene, SceneError
 
 if TYPE_CHECKING:
-    from .simulation import simulate
+    from .simulation import Simulation, simulate
 
-__all__ = ["Scene", "SceneError", "simulate"]
+__all__ = ["Scene", "SceneError", "Simulation", "simulate"]
 
 
 def __getattr__(name: str) -> Any:
@@ -22,8 +22,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("fenics-yeast")
-    if name == "simulate":  # loads dolfinx, which a scene alone does not need
-        from .simulation import simulate
+    if name in ("Simulation", "simulate"):  # they load dolfinx, which a scene does not need
+        from . import simulation
 
-        return simulate
+        return getattr(simulation, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

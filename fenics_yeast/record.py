@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,25 @@ class History:
             f"V/V0 = {last.volume_ratio:.6f} at the end)"
         )
 
+    def _repr_html_(self) -> str:
+        from . import notebook
+
+        return notebook.history(self)
+
+    def to_frame(self) -> Any:
+        """The rows as a pandas `DataFrame`, a column for each of `Row`.
+
+        Raises
+        ------
+        ImportError
+            If there is no pandas, which nothing else here needs.
+        """
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise ImportError("to_frame needs pandas; run: pip install pandas") from None
+        return DataFrame({name: getattr(self, name) for name in COLUMNS})
+
     def at(self, time: float) -> Row:
         """Row at a time in min that the run hit exactly, such as a saved time.
 
@@ -139,7 +158,12 @@ class Profiles:
 
     def __repr__(self) -> str:
         times = ", ".join(f"{profile.time:g}" for profile in self.all)
-        return f"Profiles(t = {times} min)"
+        return f"Profiles(t = {times} min)" if self.all else "Profiles(empty)"
+
+    def _repr_html_(self) -> str:
+        from . import notebook
+
+        return notebook.profiles(self)
 
     def at(self, time: float) -> Profile:
         """Profile at a saved time in min.
@@ -250,6 +274,17 @@ class Result:
     newton_iterations: int
     timings: Timings
     error_bars: ErrorBars | None = None
+
+    def __repr__(self) -> str:
+        return (
+            f"Result({self.status}: {self.message}; {self.steps} steps, "
+            f"{self.newton_iterations} Newton iterations, {self.timings.loop_s:.2g} s)"
+        )
+
+    def _repr_html_(self) -> str:
+        from . import notebook
+
+        return notebook.result(self)
 
 
 class Observer(Protocol):
