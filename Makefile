@@ -59,6 +59,10 @@ test-debian13:  ## demo and tests on Debian 13, in a tree of its own (needs root
 test-container:  ## build the image and try it (docker, podman, or as root buildah; ARGS as above)
 	@docker/test.sh $(ARGS)
 
+.PHONY: package
+package: .venv/.installed-dev  ## sdist and wheel in dist/, each tried in a clean environment
+	@.ci/package
+
 .PHONY: coverage
 coverage: .venv/.installed-dev  ## all tests, and the lines that they do not reach
 	@$(PYTHON) -m coverage run -m pytest $(ARGS)

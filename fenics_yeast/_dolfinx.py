@@ -1,6 +1,6 @@
 """What differs between versions of dolfinx, told apart by feature; no other module asks.
 
-Known to run: dolfinx 0.5 (Debian 12) and 0.9 (Debian 13).
+Known to run: dolfinx 0.5 (Debian 12), 0.9 (Debian 13) and 0.11 (PyPI).
 """
 
 from __future__ import annotations

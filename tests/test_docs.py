@@ -12,7 +12,7 @@ import pytest
 from fenics_yeast import Scene
 
 TOP = Path(__file__).parent.parent
-DOCUMENTS = [TOP / "README.md", *sorted((TOP / "docs").glob("*.md"))]
+DOCUMENTS = [*sorted(TOP.glob("*.md")), *sorted((TOP / "docs").glob("*.md"))]
 COMMAND = ".venv/bin/fenics-yeast"
 
 
@@ -81,7 +81,8 @@ def test_targets_of_make_exist() -> None:
         for path in DOCUMENTS
         for target in re.findall(r"`make ([a-z0-9-]+)", path.read_text())
     }
-    targets |= set(re.findall(r"^    make ([a-z0-9-]+)", DOCUMENTS[0].read_text(), re.M))
+    for path in DOCUMENTS:
+        targets |= set(re.findall(r"^    make ([a-z0-9-]+)", path.read_text(), re.M))
     assert {"demo", "test"} <= targets
     for target in targets:
         assert re.search(rf"^{target}:", makefile, re.M), target
@@ -91,3 +92,15 @@ def test_links_lead_somewhere() -> None:
     for path in DOCUMENTS:
         for link in re.findall(r"\]\(([^)#]+)[^)]*\)", path.read_text()):
             assert link.startswith("https://") or (path.parent / link).exists(), f"{path}: {link}"
+
+
+def test_nothing_else_lies_at_the_top() -> None:
+    """What a visitor sees first; a checkout only."""
+    if not (TOP / ".git").exists():
+        pytest.skip("no checkout")
+    done = subprocess.run(["git", "ls-files"], cwd=TOP, capture_output=True, text=True, check=True)
+    assert {name.split("/")[0] for name in done.stdout.splitlines()} <= {
+        ".ci", ".dockerignore", ".gitignore", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md",
+        "LICENSE", "Makefile", "README.md", "demos", "docker", "docs", "fenics_yeast",
+        "pyproject.toml", "tests",
+    }  # fmt: skip
