@@ -14,6 +14,9 @@ import numpy as np
 import ufl
 from numpy.typing import NDArray
 
+with contextlib.suppress(ImportError):  # the wheel from PyPI, whose libraries it has to find first
+    import dolfinx_solver  # noqa: F401
+
 try:
     import basix
     import petsc4py
@@ -27,7 +30,8 @@ try:
 except ImportError as error:
     raise ImportError(
         f"dolfinx cannot be imported ({error}); on Debian: sudo apt install python3-dolfinx, "
-        "then use /usr/bin/python3 or a virtual environment of it with --system-site-packages"
+        "then use /usr/bin/python3 or a virtual environment of it with --system-site-packages; "
+        "elsewhere, with Python 3.12 or later: pip install dolfinx-solver-real"
     ) from error
 
 try:
@@ -137,7 +141,8 @@ def end_tag(mesh: Any, S: float) -> Any:
 
 def cell_vertices(mesh: Any) -> NDArray[np.int32]:
     """Indices of the two ends of each local cell in the geometry, shape ``(cells, 2)``."""
-    dofmap = mesh.geometry.dofmap
+    geometry = mesh.geometry
+    dofmap = geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
     return np.asarray(getattr(dofmap, "array", dofmap)).reshape(-1, 2)
 
 

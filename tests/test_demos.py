@@ -149,7 +149,7 @@ def runs(
         command = [sys.executable, str(DEMOS / f"{name}.py"), *OPTIONS.get(name, ())]
         folder = base / name
         folder.mkdir()
-        return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=240)
+        return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=900)
 
     asked = [item.name for item in request.session.items]
     with ThreadPoolExecutor(2) as pool:
