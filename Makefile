@@ -93,7 +93,7 @@ setup: .venv/.installed  ## Debian packages and .venv, when they are missing or 
 	    { echo "error: dolfinx cannot be imported; run: apt-get install --reinstall $(PACKAGES)" >&2; exit 1; }
 	@$(SYSTEM_PYTHON) -m venv --system-site-packages .venv
 	@# Nor may one in ~/.local take its place, when the command is called without make.
-	@echo 'import site, sys; sys.path[:] = [p for p in sys.path if p != site.getusersitepackages()]' \
+	@echo 'import site; site.ENABLE_USER_SITE = False' \
 	    > $$(echo .venv/lib/python3.*/site-packages)/no_user_site.pth
 	@# petsc4py and dolfinx are built for Debian's NumPy: pip must not bring another one.
 	@$(SYSTEM_PYTHON) -c 'import numpy; print(f"numpy=={numpy.__version__}")' > .venv/constraints.txt
