@@ -51,9 +51,7 @@ def norm(tau: Any) -> Any:
     return ufl.sqrt(tau[0] ** 2 + tau[1] ** 2 + _TINY)
 
 
-def stress_driven(
-    point: WallPoint, sigma_trs: Any, t_grw: Any, of_rate: Any = 1, of_stress: Any = 1
-) -> Any:
+def stress_driven(point: WallPoint, sigma_trs: Any, t_grw: Any, of_stress: Any = 1) -> Any:
     """Growth in the direction of the stress, by its excess over a threshold: equation (13).
 
     Parameters
@@ -64,13 +62,21 @@ def stress_driven(
         Threshold of the true stress in MPa.
     t_grw
         Characteristic time in min.
-    of_rate, of_stress
-        Weights of polarised growth: that of the rate, and that of the stress in its excess over
-        the threshold, which is the threshold divided by it.
+    of_stress
+        Weight of polarised growth, by which the threshold is divided.
     """
     size = norm(point.tau)
     excess = of_stress * size / (point.J * sigma_trs) - 1
-    return of_rate * ufl.conditional(ufl.gt(excess, 0), excess, 0) / t_grw * point.tau / size
+    return ufl.conditional(ufl.gt(excess, 0), excess, 0) / t_grw * point.tau / size
+
+
+def weighted(rate: Callable[..., Any]) -> Callable[..., Any]:
+    """Growth rate multiplied by a weight of polarised growth, its new parameter `of_rate`."""
+
+    def product(point: WallPoint, of_rate: Any, **parameters: Any) -> Any:
+        return of_rate * rate(point, **parameters)
+
+    return product
 
 
 def dissipation(point: WallPoint, rate: Any) -> Any:

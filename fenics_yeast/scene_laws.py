@@ -40,23 +40,42 @@ def thinning(material: AnyWall) -> Law | None:
     return Law(wall.incompressible_thinning)
 
 
-def growth_law(scene: Scene, cut: Discretisation) -> Law | None:
-    """Growth rate of a scene's zones; None for an elastic scene."""
-    if scene.growth is None:
+def growth_law(scene: Scene, cut: Discretisation, own: Law | None = None) -> Law | None:
+    """Growth rate of a scene's zones; None where nothing grows.
+
+    Parameters
+    ----------
+    scene, cut
+        The scene and its meridian, maybe that of a piece without growing zones.
+    own
+        A rate in place of equation (13), with thresholds and times of its own; the scene says
+        where and when it holds, and may weight it.
+
+    Raises
+    ------
+    ValueError
+        If the scene weights a threshold, which a rate of one's own does not have.
+    """
+    if not cut.growing:
         return None
     parameters: dict[str, Parameter] = {
         "sigma_trs": by_zone(cut.zones, [zone.threshold for zone in scene.growing]),
         "t_grw": by_zone(cut.zones, [zone.time for zone in scene.growing]),
     }
+    law = own or Law(growth.stress_driven, parameters)
     rates, stresses = [], []
     for parts, zone in zip(cut.zones, scene.growing, strict=True):
         bump, of_rate = _bump(zone, scene, cut), zone.polarity and zone.polarity.weight == "rate"
         rates.append(Weight(parts, zone.span, bump if of_rate else None))
         stresses.append(Weight(parts, bump=None if of_rate else bump))
-    for name, weights in (("of_rate", rates), ("of_stress", stresses)):
-        if any(weight != Weight(weight.parts) for weight in weights):
-            parameters[name] = Weights(tuple(weights))
-    return Law(growth.stress_driven, parameters)
+    if any(weight != Weight(weight.parts) for weight in stresses):
+        if own is not None:
+            raise ValueError('a growth law of your own has no threshold: weight = "rate" is wanted')
+        law = Law(law.function, {**law.parameters, "of_stress": Weights(tuple(stresses))})
+    if any(weight != Weight(weight.parts) for weight in rates):
+        weights = Weights(tuple(rates))
+        law = Law(growth.weighted(law.function), {**law.parameters, "of_rate": weights})
+    return law
 
 
 def _bump(zone: Growth, scene: Scene, cut: Discretisation) -> Bump | None:

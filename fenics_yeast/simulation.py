@@ -60,6 +60,7 @@ def build_shell(
     if scene.growth is None and growth_law is not None:
         raise ValueError("a growth law needs a scene with a table [growth], for its zone")
     cut = discretise(scene)
+    own = own_laws.growth_law(growth_law) if growth_law else None
     shell = Shell(
         cut,
         dx.MPI.COMM_WORLD if comm is None else comm,
@@ -71,9 +72,7 @@ def build_shell(
         energy=own_laws.energy_law(energy) if energy else scene_laws.strain_energy(scene.wall),
         thicker=scene_laws.thicker(scene.wall, cut),
         stiffer=scene_laws.stiffer(scene.wall, cut),
-        growth_law=own_laws.growth_law(growth_law)
-        if growth_law
-        else scene_laws.growth_law(scene, cut),
+        growth_law=scene_laws.growth_law(scene, cut, own),
         per_grown=scene.wall.energy_per == "grown",
         thinning=scene_laws.thinning(scene.wall),
         bending=scene.wall.bending,

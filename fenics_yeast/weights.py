@@ -151,4 +151,7 @@ class WeightField:
 def _held(S: Array, cells: NDArray[np.int32], parts: Intervals) -> NDArray[np.int32]:
     """Those of some cells that lie in some parts of the meridian."""
     middle = S[cells].mean(axis=1)
-    return cells[np.any([part.holds(middle) for part in parts], axis=0)]
+    held = np.zeros(len(cells), dtype=bool)
+    for part in parts:
+        held |= part.holds(middle)
+    return cells[held]

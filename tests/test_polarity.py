@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from scene_texts import BUD
 
-from fenics_yeast import Scene, simulate
+from fenics_yeast import Scene, growth, simulate
+from fenics_yeast.checkpoint import Checkpoint, Start
 from fenics_yeast.equilibrium import Equilibrium
+from fenics_yeast.laws import Law
 from fenics_yeast.scene import SceneError
-from fenics_yeast.simulation import build_shell
+from fenics_yeast.simulation import Simulation, build_shell
 
 R, LENGTH = 2.5, np.pi * 2.5
 
@@ -150,6 +152,46 @@ def test_one_zone_polarised_and_one_not(whole):
     assert before.growth_strain[below].max() == 0
     assert after.growth_strain[below].max() > 0.02
     assert before.growth_strain[~below].max() > 0.02
+
+
+def test_a_law_of_ones_own_is_weighted_too(whole):
+    """By the rate and in time; it has no threshold that could be weighted."""
+
+    def law(point, speed):
+        return speed * point.tau / growth.norm(point.tau)
+
+    own = Law(law, {"speed": 0.01})
+    values = {"growth.polarity": {"width": 1.0}, "growth.until": 2.0, "run.save": [2.0, 4.0]}
+    scene = whole.with_values({**values, "numerics.thickness_points": 1})
+    wall, later = simulate(scene, growth_law=own).profiles
+    # Where both stresses are equal, as they are before they have changed much.
+    expected = 2 * 0.01 * np.exp(-((wall.S_points - LENGTH) ** 2) / 2)
+    size = np.linalg.norm(wall.growth_strain[:, 0], axis=-1)
+    np.testing.assert_allclose(size, expected, rtol=1e-3, atol=1e-9)
+    np.testing.assert_array_equal(later.growth_strain, wall.growth_strain)
+    by_threshold = whole.with_values({"growth.polarity": {"width": 1, "weight": "threshold"}})
+    with pytest.raises(ValueError, match="no threshold"):
+        simulate(by_threshold, growth_law=own)
+
+
+@pytest.mark.parametrize("integrator", ["sdirk3", "forward-euler"])
+def test_a_run_that_is_taken_up_is_the_same_run(whole, integrator):
+    """To the last digit, from a step in the middle and from the end of growth."""
+    values = {"growth.polarity": {"width": 1.0, "follow": "tip"}, "growth.until": 1.0}
+    numerics = {"numerics.integrator": integrator, "numerics.step": None}
+    run = {"end": 2.0, "save": [1.0, 2.0]}
+    scene = whole.with_values({**values, **numerics, "run": run, "wall.shear_modulus": 40.0})
+    straight = simulate(scene)
+    for stop in (0.3, 1.0):
+        kept: list[Checkpoint] = []
+        with Simulation(scene, keep=kept.append) as simulation:
+            for row in simulation:
+                if row.time_min >= stop:
+                    break
+        before = simulation.result
+        start = Start(kept[-1], before.history.rows, before.profiles.all)
+        assert simulate(scene, start=start).history.rows == straight.history.rows
+        assert 0 < before.end_time < 2
 
 
 SCRIPT = """

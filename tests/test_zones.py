@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scene_texts import BUD
 
-from fenics_yeast import Scene, simulate
+from fenics_yeast import Scene, growth, scene_laws, simulate
 from fenics_yeast.meridian import discretise
 from fenics_yeast.scene import SceneError
 
@@ -180,3 +180,23 @@ def test_changes_of_no_entry_are_told_in_one_line(change, said):
     scene = Scene.from_toml(with_growth(LIST))
     with pytest.raises(SceneError, match=said):
         scene.with_values({change: 3})
+
+
+# --- what it costs ------------------------------------------------------------------------
+
+
+def test_a_scene_pays_for_nothing_that_it_does_not_use(coarse):
+    """One zone, or several alike: thresholds and times are constants, and there is no weight."""
+    alike = [{**GROWTH, "zone": {"pole": pole, "half_angle": 24}} for pole in ("top", "bottom")]
+    for scene in (coarse, coarse.with_values({"growth": alike})):
+        cut = discretise(scene)
+        law = scene_laws.growth_law(scene, cut)
+        assert law is not None
+        assert law.parameters == {"sigma_trs": 1.0, "t_grw": 45.0}
+        assert law.function is growth.stress_driven
+        assert scene_laws.thicker(scene.wall, cut) == scene_laws.stiffer(scene.wall, cut) == 1.0
+    other = coarse.with_values({"growth": [alike[0], {**alike[1], "time": 20.0}]})
+    law = scene_laws.growth_law(other, discretise(other))
+    assert law is not None
+    assert law.parameters["sigma_trs"] == 1.0
+    assert callable(law.parameters["t_grw"])
