@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
-from .meridian import discretise
+from .meridian import Discretisation, discretise
 from .record import Profile
 from .scene import Scene
 
@@ -42,10 +44,16 @@ def zone_numbers(scene: Scene, S: Array) -> NDArray[np.int32]:
     """Number of the growing zone at arc lengths, from 1 on in the scene's order; 0 for none."""
     numbers = np.zeros(len(S), dtype=np.int32)
     if scene.growth is not None:
-        for number, zone in enumerate(discretise(scene).zones, start=1):
+        for number, zone in enumerate(_cut(scene).zones, start=1):
             for part in zone:
                 numbers[part.holds(S)] = number
     return numbers
+
+
+@lru_cache(maxsize=4)
+def _cut(scene: Scene) -> Discretisation:
+    """The scene's cells, which every profile of its run shares."""
+    return discretise(scene)
 
 
 def mean(profile: Profile, values: Array) -> Array:
