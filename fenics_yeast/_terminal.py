@@ -107,10 +107,9 @@ class ProgressLine:
         """Nothing: the table at the end has it."""
 
     def taken_up(self, row: Row, rows: int) -> None:
-        """Say where the run goes on; the time left is estimated from there."""
+        """Say where the run goes on, and show the bar from there."""
         self.note(_taken_up(row, rows))
-        at = row.time_min
-        self._progress.reset(self._task, total=self._end, completed=at)  # type: ignore[arg-type]
+        self._progress.update(self._task, total=self._end, completed=row.time_min)
 
     def note(self, line: str) -> None:
         """Print a line above the bar."""

@@ -143,8 +143,6 @@ def run_into(
                 result = replace(result, status=status, message=message)
             except KeyboardInterrupt:
                 result = _unstarted(past.start)
-            except CheckpointError as error:
-                raise OutputError(f"{path}: its checkpoint {error}; run the scene anew") from None
             if folder is not None:
                 _complete(folder, scene, result, clock, figures)
             if with_error_bars and result.status != "interrupted":
@@ -155,6 +153,8 @@ def run_into(
                 result = replace(result, error_bars=bars)
                 if folder is not None:
                     _complete(folder, scene, result, clock, figures)
+        except CheckpointError as error:
+            raise OutputError(f"{path}: its checkpoint {error}; run the scene anew") from None
         except OutputError as error:
             raise RunLost(str(error)) from None
         except CompilerError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -107,6 +107,8 @@ def _start(directory: Path, checkpoint: Checkpoint) -> Start:
         lacking = f"profile {tally.profiles}"
     if lacking is not None:
         raise OutputError(f"{directory}: has lost {lacking}, which its checkpoint needs; {_ANEW}")
+    if load_status(directory) is not None:  # what came after the checkpoint took its time too
+        checkpoint = replace(checkpoint, timings=load_result(directory).timings)
     return Start(checkpoint, tuple(rows), tuple(profiles))
 
 

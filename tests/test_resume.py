@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -434,3 +435,14 @@ def test_a_folder_that_was_copied_goes_on_elsewhere(finished: Path) -> None:
     past = restart.look_back(Path("copy"), Scene.load("small.toml"))
     assert past.ended is not None and past.start is not None
     assert len(past.start.rows) == len(past.ended.history)
+
+
+def test_a_checkpoint_of_another_mesh_is_refused(
+    finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As another version may make it from the same scene."""
+    read = Checkpoint.from_bytes((finished / "checkpoint.npz").read_bytes())
+    memory = replace(read.evolution, w=read.evolution.w[:-3])
+    (finished / "checkpoint.npz").write_bytes(replace(read, evolution=memory).to_bytes())
+    (finished / "run.json").unlink()
+    refused(call("--resume"), "another mesh")
