@@ -1,0 +1,87 @@
+"""What each feature of a scene costs: unknowns, numbers of state, time of a Newton iteration.
+
+The table of `docs/cost.md`, which `--write` replaces. Every scene is run twice and the second run
+counts, so that nothing is compiled in it; the least of some runs is told.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from fenics_yeast import Scene, simulate
+from fenics_yeast.simulation import build_shell
+
+ROOT = Path(__file__).parent.parent.parent
+REPEATS = 5
+
+BUD = Scene.load(ROOT / "demos" / "scenes" / "bud.toml").with_values(
+    {"numerics": {"preset": "default"}, "turgor.ramp": 0, "run": {"end": 40}}
+)
+STATIC = {"growth": None, "run": None}
+LINEAR = {"law": "linear", "thickness": 0.1, "young_modulus": 120, "poisson_ratio": 0.5}
+CAP = {"pole": "top", "half_angle": 24}
+FEATURES: dict[str, dict[str, object]] = {
+    "growing bud": {},
+    "same, elastic (no growth)": {**STATIC, "run": {"end": 40}, "turgor.ramp": 40},
+    "same, elastic, one equilibrium": STATIC,
+    "bending off": {"wall.bending": False},
+    "bending off, elastic, one equilibrium": {**STATIC, "wall.bending": False},
+    "3 thickness points": {"numerics.thickness_points": 3},
+    "capsule": {"cell": {"shape": "capsule", "diameter": 5, "length": 8}},
+    "Ogden wall of two terms": {
+        "wall": {"thickness": 0.1, "shear_moduli": [30, 10], "ogden_exponents": [2, 4]}
+    },
+    "linear wall": {"wall": LINEAR},
+    "energy per grown volume": {"wall.energy_per": "grown"},
+    "wall that thins": {"wall.thickness_change": "elastic"},
+    "point force": {"load": {"point_force": "-0.01 uN"}},
+    "a stiff ring (zone of the wall)": {
+        "wall.zone": [{"from_fraction": 0.8, "to_fraction": 0.85, "modulus_factor": 2.0}]
+    },
+    "two growing zones": {
+        "growth": [
+            {"zone": CAP, "threshold": 1, "time": 45},
+            {"zone": {**CAP, "pole": "bottom"}, "threshold": 1.2, "time": 45},
+        ]
+    },
+    "conical, straight elements": {"numerics.geometry": "conical", "numerics.order": 1,
+                                   "numerics.elements": 64},
+}  # fmt: skip
+
+
+def measured(values: dict[str, object]) -> tuple[int, int, int, float]:
+    """Unknowns, numbers of state, Newton iterations, microseconds of each."""
+    scene = BUD.with_values(values)
+    shell = build_shell(scene)
+    state = 0 if shell.growth is None else shell.growth.get().size
+    runs = [simulate(scene) for _ in range(REPEATS + 1)][1:]
+    least = min(run.timings.loop_s for run in runs)
+    return runs[0].dofs, state, runs[0].newton_iterations, 1e6 * least / runs[0].newton_iterations
+
+
+def table() -> str:
+    lines = ["| scene | unknowns | state | iterations | µs per iteration |", "|---|---|---|---|---|"]
+    for name, values in FEATURES.items():
+        dofs, state, iterations, time = measured(values)
+        lines.append(f"| {name} | {dofs} | {state} | {iterations} | {time:.0f} |")
+        print(lines[-1], flush=True)
+    return "\n".join(lines)
+
+
+TEXT = """# What each feature costs
+
+The paper's bud in the preset `"default"`, to 40 min, with one thing changed at a time. A scene pays
+for what it uses alone: without growth there is no state at the points and no update; without bending
+neither rotation nor shear force nor thickness points; a force is a number added to the residual;
+what a law does not use is not in its compiled forms, and other numbers compile nothing anew. Least
+of {repeats} runs on one core of a shared machine; written by `demos/benchmarks/features.py --write`.
+
+{table}
+"""
+
+if __name__ == "__main__":
+    found = table()
+    if "--write" in sys.argv[1:]:
+        path = ROOT / "docs" / "cost.md"
+        path.write_text(TEXT.format(repeats=REPEATS, table=found), encoding="utf-8")
