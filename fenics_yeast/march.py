@@ -269,7 +269,8 @@ class March:
         """Find out whether the wall loses its equilibrium on the way to a time, and tell."""
         if not self._changing(end):
             worn = yield from self._meets_limit(end)
-            return worn_out(self._journal.rows[-1]) if worn else None
+            softens = self._scene.wall.energy_per == "reference"
+            return worn_out(self._journal.rows[-1], softens) if worn else None
         growth_time = self._scene.growth_time
         start, pressure = self._time, self._evolution.pressure
         if growth_time is not None and end - start > _GIVEN * growth_time:

@@ -34,9 +34,14 @@ def overloaded_by_force(limit: float) -> Outcome:
     )
 
 
-def worn_out(row: Row) -> Outcome:
-    """The wall has grown to a limit point; `row` is the last state before."""
+def worn_out(row: Row, softens: bool = True) -> Outcome:
+    """The wall has grown to a limit point; `row` is the last state before.
+
+    A wall whose energy is per grown volume never softens.
+    """
     why = "the wall has grown so soft that it can no longer carry the turgor"
+    if not softens:
+        why = "the cell has grown so large that its wall can no longer carry the turgor"
     if row.pressure_MPa < 0:
         why = "the wall has shrunk into a shape that gives way to the pressure from outside"
     where = f"beyond {row.time_min:.2f} min, at V/V0 = {row.volume_ratio:.4f}"

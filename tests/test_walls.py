@@ -127,6 +127,7 @@ def test_a_wall_per_grown_volume_bears_three_times_the_growth_in_logarithm(
         }
         result = simulate(sphere_scene.with_values(values))
         assert result.status == "no-equilibrium"
+        assert ("so soft" in result.message) == (per == "reference")
         assert result.end_time == pytest.approx(end(power), rel=2e-4)
         largest = np.log(1.239463 / LOAD) / power
         assert result.history.max_growth_strain[-1] == pytest.approx(largest, rel=0.02)

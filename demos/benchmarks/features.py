@@ -61,7 +61,10 @@ def measured(values: dict[str, object]) -> tuple[int, int, int, float]:
 
 
 def table() -> str:
-    lines = ["| scene | unknowns | state | iterations | µs per iteration |", "|---|---|---|---|---|"]
+    lines = [
+        "| scene | unknowns | state | iterations | µs per iteration |",
+        "|---|---|---|---|---|",
+    ]
     for name, values in FEATURES.items():
         dofs, state, iterations, time = measured(values)
         lines.append(f"| {name} | {dofs} | {state} | {iterations} | {time:.0f} |")
@@ -72,10 +75,12 @@ def table() -> str:
 TEXT = """# What each feature costs
 
 The paper's bud in the preset `"default"`, to 40 min, with one thing changed at a time. A scene pays
-for what it uses alone: without growth there is no state at the points and no update; without bending
-neither rotation nor shear force nor thickness points; a force is a number added to the residual;
-what a law does not use is not in its compiled forms, and other numbers compile nothing anew. Least
-of {repeats} runs on one core of a shared machine; written by `demos/benchmarks/features.py --write`.
+for what it uses alone: without growth there is no state at the points and no update; without
+bending neither rotation nor shear force nor thickness points; a force is a number added to the
+residual; what a law does not use is not in its compiled forms, and other numbers compile nothing
+anew. More unknowns come from more cells, at joints, at edges of zones and about a point force.
+Least of {repeats} runs on a busy machine, so that times are good for a factor of two alone; written
+by `demos/benchmarks/features.py --write`.
 
 {table}
 """

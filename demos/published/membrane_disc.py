@@ -46,9 +46,15 @@ def rows(result: Result | None = None) -> list[Row]:
         here = _cubic(rise, height, load)
         found.append(Row.near(f"p R/μh at the rise {rise} (λ0 = {stretch})", here, published, 1e-5))
     i = int(np.argmax(load))
-    parabola = np.polyfit(height[i - 2 : i + 3], load[i - 2 : i + 3], 4)
-    fine = np.linspace(height[i - 1], height[i + 1], 1001)
-    found.append(Row.near("limit point", np.polyval(parabola, fine).max(), LIMIT[0], 1e-5))
+    near = slice(i - 3, i + 4)
+    quartic = np.polynomial.Polynomial.fit(history.volume_ratio[near], load[near], 4)
+    volumes = np.linspace(history.volume_ratio[i - 2], history.volume_ratio[i + 2], 10_001)
+    top = volumes[np.argmax(quartic(volumes))]
+    found.append(Row.near("p R/μh of the limit point", quartic(top), LIMIT[0], 1e-5))
+    at_limit = simulate(SCENE.with_values({"path.until": {"volume_ratio": float(top)}}))
+    # At the last point, next to the pole.
+    stretch = np.exp(at_limit.profiles.all[-1].strain[-1, 0, 0])
+    found.append(Row.near("stretch of the pole there", stretch, LIMIT[1], 1e-3))
     return found
 
 
