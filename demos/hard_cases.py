@@ -106,6 +106,11 @@ def bud(values: dict[str, object], **laws: Law) -> Callable[[], Found]:
     return lambda: volume(BUD.with_values(values), **laws)
 
 
+def slope(last: float) -> dict[str, object]:
+    """Turgor that goes from P to another pressure in MPa, linearly in 1000 min."""
+    return {"time": [0, 1000], "value": [P, last]}
+
+
 def until(end: float) -> dict[str, object]:
     return {"run": {"end": end}}
 
@@ -277,11 +282,23 @@ def loss_of_equilibrium() -> list[Case]:
         Case("zone 180°: burst", "t (min)", lambda: burst(BUD.with_values(everywhere)),
              "no-equilibrium", sphere_burst(), 0.01, "membrane, integral", "so soft")
     )  # fmt: skip
+    cases += [
+        Case(
+            f"burst, turgor {name}", "t (min)",
+            lambda end=end: burst(BUD.with_values({"turgor.pressure": slope(end), **until(200)})),
+            "no-equilibrium", reference, 0.02, f"{CPP}, steps of 0.005 min", "so soft",
+        )
+        for name, end, reference in (("rising", 1.0, 66.980), ("falling", 0.95 * P, 93.760))
+    ]  # fmt: skip
     limit = balloon(7 ** (1 / 6), 2.0) * MU * H / R
+    by_pressure = {"control": "pressure", "until": {"pressure": 20.0}, "steps": 2}
     for name, change in {
         "static": {"growth": None, "run": None},
         "at once": {},
         "in 0.01 min": {"turgor.ramp": 0.01},
+        "in 1e-8 min": {"turgor.ramp": 1e-8},
+        "elastic, in 1e-6 of a million min": {"growth": None, "turgor.ramp": 1e-6, **until(1e6)},
+        "as a path of two steps": {"growth": None, "run": None, "path": by_pressure},
     }.items():
         scene = BUD.with_values({"turgor.pressure": 2.5, **change})
 

@@ -158,7 +158,9 @@ class Evolution:
             self.reject()
             raise
 
-    def attempt_volume(self, control: VolumeControl, volume: float, dt: float) -> tuple[int, float]:
+    def attempt_volume(
+        self, control: VolumeControl, volume: float, dt: float, slope: float = 0.0
+    ) -> tuple[int, float]:
         """Go to a larger volume, in whatever time that takes, on a trial copy of the state.
 
         The method is that of `step` with the volume in the place of time: near a limit point,
@@ -172,6 +174,8 @@ class Evolution:
             Volume to reach in µm³.
         dt
             First guess of the time in min.
+        slope
+            Rate of the pressure in MPa/min, constant in that time.
 
         Returns
         -------
@@ -188,7 +192,7 @@ class Evolution:
             raise ValueError("an elastic wall does not change in time")
         self._before = list(self._recent)
         growth.during(self.state.time, self.state.time)  # no milestone is passed
-        start = self.shell.volume()
+        start, pressure = self.shell.volume(), self.pressure(self.state.time)
         A, c = LIMIT_POINT.A, LIMIT_POINT.c
         durations: list[float] = []
         changes: list[Array] = []  # of the growth strains, as over the whole step
@@ -199,7 +203,9 @@ class Evolution:
                 growth.stage.value = A[i, i] * (durations[-1] if durations else dt)
                 growth.set_base(base)
                 growth.set(base + A[i, i] * changes[-1] if changes else base)
-                iterations += control.solve(start + c[i] * (volume - start))
+                spent = sum(a * d for a, d in zip(A[i], durations, strict=False))
+                rise = (pressure + slope * spent, slope)
+                iterations += control.solve(start + c[i] * (volume - start), rise=rise)
                 durations.append(float(growth.stage.value) / A[i, i])
                 changes.append((growth.get() - base) / A[i, i])
                 if durations[-1] <= 0:

@@ -14,7 +14,7 @@ from .volume_control import VolumeControl
 _SHARPNESS = 2e-5  # of the time: how near the limit point is found
 _LARGEST_STEP = 0.02  # of the volume; for a wanted error of V/V0 of 1e-4 or less, half of it
 _LEAST_STEP = 1e-7
-_MOST_STEPS = 40
+_MOST_STEPS = 400
 
 
 class Approach(Enum):
@@ -40,7 +40,7 @@ def approach(
     Parameters
     ----------
     evolution
-        The wall at its accepted state, under constant pressure.
+        The wall at its accepted state, under a pressure that changes linearly up to the milestone.
     tolerance
         Norm of the residual in µN at which it counts as zero.
     precision
@@ -63,13 +63,15 @@ def approach(
     spent = 0
     fraction = _LARGEST_STEP * min(1.0, 0.5 * (precision / 1e-4) ** (1 / LIMIT_POINT.order))
     largest = copysign(fraction * shell.volume(), growth_rate)
-    change = 0.5 * largest
+    change, first_rate = 0.5 * largest, growth_rate
+    beginning, pressure = evolution.state.time, evolution.pressure
+    slope = (pressure(milestone) - pressure(beginning)) / (milestone - beginning)
     with VolumeControl(shell, shell.growth.stage, tolerance) as control:
         for _ in range(_MOST_STEPS):
             start, volume = evolution.state.time, shell.volume()
             try:
                 guess = change / growth_rate
-                iterations, dt = evolution.attempt_volume(control, volume + change, guess)
+                iterations, dt = evolution.attempt_volume(control, volume + change, guess, slope)
             except EquilibriumError as error:
                 spent += error.iterations
                 change /= 4
@@ -80,8 +82,10 @@ def approach(
                 evolution.reject()
                 spent += iterations
                 # Time is a parabola of the volume here: half of what it could still gain.
-                if change / growth_rate < _SHARPNESS * start:
-                    return Approach.LIMIT, spent
+                if change / growth_rate < _SHARPNESS * max(start, milestone - beginning):
+                    # Towards a limit point the volume moves ever faster; else it turns here.
+                    limit = abs(growth_rate) > abs(first_rate)
+                    return Approach.LIMIT if limit else Approach.STUCK, spent
                 change /= 2
                 continue
             if start + dt > milestone:

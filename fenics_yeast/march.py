@@ -23,7 +23,6 @@ _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked
 _FIRST_STEP = 1e-3  # of the characteristic time of growth, where steps are adaptive
 _SLOW = 0.02  # rate V'/V0 of growth, times its characteristic time, below which it counts as slow
 _FAST = 0.25  # rate V'/V above which it counts as fast, and errors are held to the volume itself
-_GIVEN = 1e-4  # of the characteristic time: a step in which growth counts as given
 _STILL = 1e-7  # change of the volume in a step after which it is asked whether anything grows
 
 
@@ -99,12 +98,12 @@ class March:
             except EquilibriumError as error:
                 journal.reject(error.iterations)
                 steps.failed()
-                if steps.exhausted:
-                    return self._failed(error)
-                if steps.failures >= self._patience:
+                if steps.failures >= self._patience or steps.exhausted:
                     lost = yield from self._limit(end)
                     if lost is not None:
                         return lost
+                    if steps.exhausted:
+                        return self._failed(error)
                 continue
             if self._past_limit():
                 self._evolution.reject()
@@ -267,14 +266,12 @@ class March:
 
     def _limit(self, end: float) -> Generator[Row, None, Outcome | None]:
         """Find out whether the wall loses its equilibrium on the way to a time, and tell."""
+        if self._growing:
+            lost = yield from self._meets_limit(end)
+            return self._lost(end) if lost else None
         if not self._changing(end):
-            worn = yield from self._meets_limit(end)
-            softens = self._scene.wall.energy_per == "reference"
-            return worn_out(self._journal.rows[-1], softens) if worn else None
-        growth_time = self._scene.growth_time
-        start, pressure = self._time, self._evolution.pressure
-        if growth_time is not None and end - start > _GIVEN * growth_time:
             return None
+        start, pressure = self._time, self._evolution.pressure
         try:
             limit = limit_point(self._shell, pressure(end), self._tolerance)
         except PathError:
@@ -284,26 +281,46 @@ class March:
             return None
         part = (limit.pressure - pressure(start)) / (pressure(end) - pressure(start))
         time = start + part * (end - start)
-        if self._growing or time <= start:
-            self._evolution.reject()
-        else:  # an elastic wall can be left there
+        if time > start:
             self._evolution.accept(time)
             yield self._journal.accept(time, time - start, limit.iterations, True)
+        else:
+            self._evolution.reject()
         return overloaded(limit.pressure, time)
 
     def _meets_limit(self, end: float) -> Generator[Row, None, bool]:
-        """Whether growth loses the equilibrium on the way to a time, followed by volume."""
-        rows = self._journal.rows
-        grown = rows[-1].volume_um3 - rows[max(0, len(rows) - 2)].volume_um3
-        if not self._growing or grown == 0:
+        """Whether a growing wall loses its equilibrium on the way to a time, followed by volume."""
+        rate = self._volume_rate(end)
+        if rate == 0:
             return False
-        rate = grown / rows[-1].step_min
         precision = self._scene.numerics.tolerance
         walk = approach(self._evolution, self._tolerance, precision, rate, end, self._accept)
         verdict, spent = yield from walk
         self._evolution.forget()
         self._journal.spend(spent)
         return verdict is Approach.LIMIT
+
+    def _volume_rate(self, end: float) -> float:
+        """Rate of the volume in µm³/min: that of the last step, and what the pressure changes."""
+        rows = self._journal.rows
+        last, before = rows[-1], rows[max(0, len(rows) - 2)]
+        rate, slope = 0.0, self._slope(end)
+        if last.step_min > 0:
+            rate = (last.volume_um3 - before.volume_um3) / last.step_min
+            slope -= (last.pressure_MPa - before.pressure_MPa) / last.step_min
+        return rate + self._equilibrium.compliance() * slope if slope else rate
+
+    def _slope(self, end: float) -> float:
+        """Rate of the pressure in MPa/min from now to a time before the next kink."""
+        pressure = self._evolution.pressure
+        return (pressure(end) - pressure(self._time)) / (end - self._time)
+
+    def _lost(self, end: float) -> Outcome:
+        """Tell which of growth and pressure has brought a growing wall to its limit point."""
+        last, growth_time = self._journal.rows[-1], self._scene.growth_time
+        if growth_time is not None and self._slope(end) * growth_time / last.pressure_MPa > 1:
+            return overloaded(last.pressure_MPa, last.time_min)
+        return worn_out(last, self._scene.wall.energy_per == "reference")
 
     def _accept(self, iterations: int, step: float) -> Row:
         """Note a state accepted on the approach to a limit point."""

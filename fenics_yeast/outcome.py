@@ -44,7 +44,7 @@ def worn_out(row: Row, softens: bool = True) -> Outcome:
         why = "the cell has grown so large that its wall can no longer carry the turgor"
     if row.pressure_MPa < 0:
         why = "the wall has shrunk into a shape that gives way to the pressure from outside"
-    where = f"beyond {row.time_min:.2f} min, at V/V0 = {row.volume_ratio:.4f}"
+    where = f"beyond {row.time_min:.5g} min, at V/V0 = {row.volume_ratio:.4f}"
     return Outcome("no-equilibrium", f"{where}, there is no equilibrium: {why}")
 
 

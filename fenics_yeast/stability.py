@@ -60,7 +60,7 @@ class Stability:
         """Number of independent directions in which the potential falls; 0 where stable.
 
         It is counted anew where the volume has moved since the last count, or the pressure:
-        towards a limit point the volume moves ever faster.
+        towards a limit point of an inflated wall the volume moves ever faster.
         """
         volume, pressure = self._shell.volume(), float(self._shell.pressure.value)
         if not self._near(volume, pressure):
@@ -69,8 +69,8 @@ class Stability:
 
     def _near(self, volume: float, pressure: float) -> bool:
         """Whether the last count was in a state that looks the same from here."""
-        if self._shell.force is not None:  # which may move the wall at constant volume
-            return False
+        if self._shell.force is not None or pressure <= 0:
+            return False  # a force, or a pressure from outside, may fold the wall at its volume
         moved = abs(volume - self.last.volume)
         return moved < _SAME * self.last.volume and pressure == self.last.pressure
 

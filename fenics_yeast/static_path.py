@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 Control = Literal["pressure", "volume", "arc-length", "force", "displacement"]
 
 _LEAST_STEP = 2.0**-10  # of the first one
+_LENGTHENED = 1.05  # growth of steps beyond those asked for
+_NEAR = 1e-7  # of a unit: what is nearer to the goal is there
 _MOST_POINTS = 20  # times the number of steps asked for
 _LARGEST_WALK, _MOST_WALKED = 0.02, 1000  # steps of the volume in search of a limit point
 _BEFORE = 2e-4  # of the volume: how far before a limit point it is told and left
@@ -99,21 +101,34 @@ def follow(
                 by_parameter=along[1] / plane.load_unit,
             )
 
+        def find(along: Array, target: float) -> int:
+            """The same, on this side of nothing: a closed wall inside out is another branch."""
+            iterations = solve(along, target)
+            if closed and shell.volume() <= 0:
+                raise EquilibriumError("only a wall that is inside out was found", iterations)
+            return iterations
+
+        closed = shell.discretisation.ends == ("pole", "pole")
         v, q = place()
         points = deque([(0.0, _state(shell, plane))], maxlen=3)
         span = goal.value - (v, q)[goal.axis]
+        if abs(span) < _NEAR:
+            return
         step = whole = abs(span) / steps
         along = np.array([copysign(1.0, span), 0.0])  # the first step is one in the amount
         if control in ("pressure", "force"):
             along = along[::-1]
-        for _ in range(_MOST_POINTS * steps):
+        for count in range(_MOST_POINTS * steps):
             try:
                 _predict(shell, plane, points, points[-1][0] + step)
-                iterations = solve(along, float(along @ (v, q)) + step)
+                iterations = find(along, float(along @ (v, q)) + step)
                 new = place()
-                passed = (new[goal.axis] - goal.value) * ((v, q)[goal.axis] - goal.value) <= 0
+                ahead = (goal.value - new[goal.axis]) * copysign(
+                    1.0, goal.value - (v, q)[goal.axis]
+                )
+                passed = ahead < _NEAR
                 if passed:
-                    iterations += solve(np.eye(2)[goal.axis], goal.value)
+                    iterations += find(np.eye(2)[goal.axis], goal.value)
             except EquilibriumError as error:
                 _set_state(shell, plane, points[-1][1])
                 step /= 2
@@ -126,6 +141,8 @@ def follow(
                 return
             if control == "arc-length":
                 along = np.array([new[0] - v, new[1] - q]) / hypot(new[0] - v, new[1] - q)
+            if count > steps:  # the way is longer than the steps asked for
+                whole *= _LENGTHENED
             (v, q), step = new, min(whole, 1.5 * step)
     raise PathError(f"{_MOST_POINTS * steps} points did not reach the goal")
 
@@ -202,7 +219,8 @@ def limit_point(shell: Shell, pressure: float, tolerance: float) -> LimitPoint |
                 volumes, pressures = np.array(points[-3:]).T
                 top = np.polynomial.Polynomial.fit(volumes, pressures, 2).deriv().roots()[0]
                 spent += solver.solve(float(np.real(top)) - sign * _BEFORE * size)
-                return LimitPoint(float(shell.pressure.value), spent)
+                found = float(shell.pressure.value)
+                return LimitPoint(found, spent) if sign * (pressure - found) > 0 else None
             if sign * (pressure - points[-1][1]) <= 0:
                 return None
     raise PathError(f"{_MOST_WALKED} steps in volume did not reach the pressure")

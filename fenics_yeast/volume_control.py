@@ -48,6 +48,7 @@ class VolumeControl:
         self._weight = tolerance / (_PRECISION * size)
         self._target = self._by_parameter = 0.0
         self._by_amount = 1.0
+        self._rise = (0.0, 0.0)
         self._root = shell.comm.rank == 0
         vector = equations.matrix.createVecRight
         self._a, self._b, self._column, self._row = (vector() for _ in range(4))
@@ -81,7 +82,13 @@ class VolumeControl:
         """What the load works on: volume in µm³, or displacement in µm of a force."""
         return self._shell.volume() if self._force is None else self._force.displacement()
 
-    def solve(self, target: float, by_amount: float = 1.0, by_parameter: float = 0.0) -> int:
+    def solve(
+        self,
+        target: float,
+        by_amount: float = 1.0,
+        by_parameter: float = 0.0,
+        rise: tuple[float, float] | None = None,
+    ) -> int:
         """Move trial state and parameter into the equilibrium of a given volume or displacement.
 
         Parameters
@@ -91,6 +98,9 @@ class VolumeControl:
             amount: volume in µm³ or, of a force, displacement in µm.
         by_amount, by_parameter
             The weights.
+        rise
+            Pressure in MPa at the beginning of the stage, and its rate in MPa/min, where the
+            stage's length is the unknown; left out, the pressure stays.
 
         Returns
         -------
@@ -105,6 +115,7 @@ class VolumeControl:
         before = self._shell.snapshot()
         value = accepted = float(self._parameter.value)
         self._target, self._by_amount, self._by_parameter = target, by_amount, by_parameter
+        self._rise = rise or (float(self._shell.pressure.value), 0.0)
         if self._parameter is self._shell.pressure:
             value = leave_plane(self._shell, lambda V, p: by_amount * V + by_parameter * p, target)
         x = self._x.array
@@ -115,9 +126,13 @@ class VolumeControl:
             iterations = verdict(self.snes)
         except EquilibriumError:
             self._parameter.value = accepted
+            if self._growth is not None:
+                self._shell.pressure.value = self._rise[0]
             self._shell.restore(before)
             raise
         state, self._parameter.value = self._parts(self._x)
+        if self._growth is not None:
+            self._shell.pressure.value = self._rise[0] + self._rise[1] * self._parameter.value
         self._equations.load(state)
         return iterations
 
@@ -130,6 +145,8 @@ class VolumeControl:
     def _residual(self, snes: Any, x: Any, f: Any) -> None:
         state, parameter = self._parts(x)
         self._parameter.value = parameter
+        if self._growth is not None:
+            self._shell.pressure.value = self._rise[0] + self._rise[1] * parameter
         out = f.array
         self._equations.residual(state, out[: self._equations.owned])
         reached = self._by_amount * self.amount() + self._by_parameter * parameter
@@ -144,12 +161,13 @@ class VolumeControl:
             self._row.scale(2 * np.pi)
         else:
             self._force.direction(self._row.array)
-        if self._growth is not None:
-            equations.assemble(shell.stage_force, self._column.array)
-        elif self._force is None and shell.pressure_force is not None:
+        if self._force is None and shell.pressure_force is not None:
             equations.assemble(shell.pressure_force, self._column.array)
         else:
             self._column.array[:] = -self._row.array_r / (2 * np.pi)
+        if self._growth is not None:
+            equations.assemble(shell.stage_force, self._b.array)
+            self._column.aypx(self._rise[1], self._b)
         self._row.scale(self._weight * self._by_amount)
         self._solver.solve(self._column, self._b)
 
