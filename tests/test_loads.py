@@ -184,3 +184,24 @@ def test_a_load_is_written_and_read_back(sphere):
     assert again == sphere and again.axial_load.force == -1e-7
     milli = sphere.with_values({"load.point_force": "-0.5 nN"})
     assert milli.axial_load.force == -5e-4
+
+
+def test_forces_and_membranes_on_two_ranks_are_those_on_one(sphere, mpirun):
+    """The rank that owns the node knows its displacement; all ranks are told."""
+    indented = sphere.with_values({"path": {"until": {"displacement": -0.01}, "steps": 2}})
+    disc = {"shape": "disc", "diameter": 4.0}
+    values = {"cell": disc, "load": None, "wall.bending": False, "turgor.pressure": 0.01}
+    scenes = indented, sphere.with_values(values)
+    text = "import sys\nfrom mpi4py import MPI\nfrom fenics_yeast import Scene, simulate\n"
+    for i, scene in enumerate(scenes):
+        text += f"row = simulate(Scene.from_toml({scene.to_toml()!r})).history.rows[-1]\n"
+        text += "line = f'{row.volume_um3!r} {row.force_uN!r} {row.displacement_um!r}'\n"
+        text += f"open(f'{i}-{{MPI.COMM_WORLD.rank}}.txt', 'w').write(line)\n"
+    folder = mpirun(text, 2)
+    for i, scene in enumerate(scenes):
+        row = simulate(scene).history.rows[-1]
+        told = [(folder / f"{i}-{rank}.txt").read_text() for rank in range(2)]
+        assert told[0] == told[1]
+        found = list(map(float, told[0].split()))
+        expected = [row.volume_um3, row.force_uN, row.displacement_um]
+        assert found == pytest.approx(expected, rel=1e-6, abs=1e-12)

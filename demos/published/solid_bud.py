@@ -100,6 +100,8 @@ def main() -> None:
         label = f"{first:.2f} h/R + {second:.2f} (h/R)²"
         axes.loglog(x, constant + first * x + second * x**2, color="0.6", label=label)
         axes.set(xlabel="h / R", ylabel="error of V/V₀ - 1")
+        axes.set_xticks(RATIOS, [f"1/{1 / ratio:.0f}" for ratio in RATIOS])
+        axes.minorticks_off()
 
 
 if __name__ == "__main__":
