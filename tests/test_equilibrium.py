@@ -106,7 +106,6 @@ def test_compliance_is_the_slope_of_the_volume(elastic_scene):
     assert compliance == pytest.approx((volumes[1] - volumes[0]) / 0.002, rel=1e-5)
 
 
-@pytest.mark.ranks
 @pytest.mark.parametrize("pressure", [2.5, 20.0])
 def test_failure_is_told_and_leaves_the_shell_as_it_was(fine_scene, pressure):
     """Bit for bit, with an implicit stage on; the next solution is not the worse for it."""
@@ -166,7 +165,6 @@ def fitted_exponent(x: np.ndarray, y: np.ndarray) -> float:
     return np.polyfit(np.log(x), np.log(y), 1)[0]
 
 
-@pytest.mark.ranks
 def test_newton_converges_quadratically_with_growth_in_its_stage(growing):
     shell, equilibrium = growing
     assert shell.growth.get().max() > 0.01

@@ -178,7 +178,6 @@ def interrupt(time: float) -> float:
     return 0.20265
 
 
-@pytest.mark.ranks
 @pytest.mark.parametrize("name", ["forward-euler", "backward-euler", "sdirk3"])
 @pytest.mark.parametrize(
     ("pressure", "error"), [(overload, EquilibriumError), (interrupt, KeyboardInterrupt)]
@@ -199,7 +198,6 @@ def test_failing_step_leaves_no_trace(fine_scene, name, pressure, error):
         assert volume == pytest.approx(untouched.shell.volume(), rel=1e-11)
 
 
-@pytest.mark.ranks
 def test_turgor_that_no_wall_can_carry(fine_scene):
     """Steps in volume close in on the limit point of an elastic sphere; all of them are kept."""
     limit = 1.239463 * 40 * 0.1 / 2.5

@@ -21,7 +21,6 @@ def walk(scene: Scene, control: str, steps: int = 60, **until: float) -> Result:
     return simulate(scene.with_values({"path": path}))
 
 
-@pytest.mark.ranks
 @pytest.mark.parametrize("control", ["volume", "arc-length"])
 def test_a_balloon_goes_over_its_limit_point(elastic_scene: Scene, control: str) -> None:
     result = walk(elastic_scene, control, volume_ratio=8.0)
