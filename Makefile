@@ -23,6 +23,9 @@ export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 export OMPI_MCA_rmaps_base_oversubscribe := 1
 export OMPI_MCA_mpi_yield_when_idle := 1
 export OMPI_MCA_btl := ^tcp
+# Else the ranks of every run wait for the same first cores.
+export OMPI_MCA_hwloc_base_binding_policy := none
+export PRTE_MCA_hwloc_default_binding_policy := none
 export PRTE_MCA_rmaps_default_mapping_policy := :oversubscribe
 
 # A .venv works only in the folder and with the Python that it was made for: the stamp holds both.
