@@ -131,7 +131,7 @@ class GrowthState:
     def update(self) -> bool:
         """Solve the stage equation at every point for the trial strains; False if it fails."""
         self.follow()
-        current = self.get()
+        current = start = self.get()
         for iteration in range(_MOST_ITERATIONS):
             following = self._evaluate(self._newton_step)
             change = np.abs(following - current).max(initial=0.0)
@@ -145,6 +145,7 @@ class GrowthState:
                 following = (following + current) / 2
             self.set(following)
             current = following
+        self.set(start)  # from which a smaller change of the strain may be followed
         return False
 
     def follow(self) -> None:
