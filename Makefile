@@ -13,6 +13,8 @@ PACKAGES := python3-dolfinx python3-venv
 PYTHON := .venv/bin/python
 # More arguments for pytest: make test ARGS="-k sphere"
 ARGS ?=
+# What pytest runs under.
+MEASURED ?=
 
 export PYTHONNOUSERSITE := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -45,7 +47,7 @@ demo: setup  ## the paper's budding cell: volumes, pictures and data
 
 .PHONY: test
 test: .venv/.installed-test  ## all tests; ARGS="..." goes to pytest
-	@$(PYTHON) -m pytest $(ARGS)
+	@$(PYTHON) $(MEASURED) -m pytest $(ARGS)
 
 .PHONY: test-ranks
 test-ranks: .venv/.installed-test  ## those marked `ranks`, on two ranks and on three
@@ -68,7 +70,7 @@ package: .venv/.installed-dev  ## sdist and wheel in dist/, each tried in a clea
 
 .PHONY: coverage
 coverage: .venv/.installed-dev  ## all tests, and the lines that they do not reach
-	@$(PYTHON) -m coverage run -m pytest $(ARGS)
+	@$(MAKE) --no-print-directory test MEASURED="-m coverage run"
 	@$(PYTHON) -m coverage report --skip-covered --show-missing
 
 .PHONY: lint
