@@ -70,10 +70,15 @@ def _none_if_adaptive(value: object) -> object:
     return None if value == "adaptive" else value
 
 
+def _chosen(given: Mapping[str, Any]) -> Preset:
+    """The preset; any where it is wrong, for some releases of pydantic ask all the same."""
+    return PRESETS[given.get("preset", "default")]
+
+
 def _preset(key: str, description: str, **bounds: Any) -> Any:
     """Give the field of `Numerics` that is taken from the preset when left out."""
     return Field(
-        default_factory=lambda given: getattr(PRESETS[given["preset"]], key),
+        default_factory=lambda given: getattr(_chosen(given), key),
         description=description,
         **bounds,
     )
@@ -98,7 +103,8 @@ def elements_for(tolerance: float, zones: int = 1, layers: int = 1) -> int:
 
 def _elements(given: Mapping[str, Any]) -> int:
     """Number of elements of the preset, or what a bud needs; `Scene` knows better."""
-    return PRESETS[given["preset"]].elements or elements_for(given["tolerance"])
+    preset = _chosen(given)
+    return preset.elements or elements_for(given.get("tolerance", preset.tolerance))
 
 
 class Numerics(Table):

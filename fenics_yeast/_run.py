@@ -15,7 +15,7 @@ class Run(Table):
 
     end: Time = Field(gt=0, description="end of the simulation (min)")
     save: Annotated[tuple[Time, ...], Field(strict=False)] = Field(
-        default_factory=lambda given: (given["end"],),
+        default_factory=lambda given: (given.get("end", 0.0),),
         description="times hit exactly and kept, sorted; left out: the end alone (min)",
     )
 
@@ -67,8 +67,9 @@ class Until(Table):
         return self.displacement is not None or self.force is not None
 
 
-def _natural(until: Until) -> Control:
-    return "displacement" if until.of_load else "volume"
+def _natural(until: Until | None) -> Control:
+    """Control that suits a goal; without one, for which some releases of pydantic ask too, any."""
+    return "displacement" if until is not None and until.of_load else "volume"
 
 
 class StaticPath(Table):
@@ -79,7 +80,7 @@ class StaticPath(Table):
 
     until: Until = Field(description="where the path ends")
     control: Control = Field(
-        default_factory=lambda given: _natural(given["until"]),
+        default_factory=lambda given: _natural(given.get("until")),
         description="what is prescribed at each point; left out: volume, or displacement",
     )
     steps: int = Field(
