@@ -11,6 +11,8 @@ from typing import Any, NoReturn
 
 import typer
 
+from .interrupts import SIGNALS, interrupt
+
 BROKEN, BAD_INPUT, NO_EQUILIBRIUM, FAILED, INTERRUPTED = 1, 2, 3, 4, 130
 EXIT = {
     "finished": 0,
@@ -61,13 +63,13 @@ def on_terminal() -> bool:
 
 @contextmanager
 def terminated_as_interrupted() -> Iterator[None]:
-    """Treat SIGTERM, which batch systems send, as Ctrl-C."""
-
-    def interrupt(*_: object) -> NoReturn:
-        raise KeyboardInterrupt
-
-    previous = signal.signal(signal.SIGTERM, interrupt)
+    """Treat the signals of batch systems and of closed terminals as Ctrl-C."""
+    previous = {number: signal.getsignal(number) for number in SIGNALS}
+    for number, handler in previous.items():
+        if handler is not signal.SIG_IGN:  # as nohup wants
+            signal.signal(number, interrupt)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, previous)
+        for number, handler in previous.items():
+            signal.signal(number, handler)

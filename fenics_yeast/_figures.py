@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from .output import replace_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +41,9 @@ def figure_of(path: Path, width: float, height: float) -> Iterator[Figure]:
         FigureCanvasAgg(figure)
         yield figure
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path)
+        content = BytesIO()
+        figure.savefig(content, format=path.suffix[1:])
+        replace_file(path, content.getvalue())
 
 
 def growth_colours(largest: float) -> Any:

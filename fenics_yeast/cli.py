@@ -118,7 +118,7 @@ def _run(path: Path, scene: Scene, resume: bool, error_bars: bool, quiet: bool) 
     except DolfinxMissing as error:
         fail(str(error), BROKEN)
     except RunLost as error:
-        abandon(str(error))
+        fail(str(error), FAILED) if error.everywhere else abandon(str(error))
     comm = launched()
     if screen is not None and (comm is None or comm.rank == 0):
         screen.summary(result, str(path))

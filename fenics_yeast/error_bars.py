@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .integrators import TABLEAUX
-from .record import ErrorBars, Result
+from .record import ErrorBars, Observer, Result
 from .scene import Scene
 from .simulation import simulate
 
@@ -54,6 +54,7 @@ def error_bars(
     result: Result,
     *,
     announce: Callable[[Part], None] | None = None,
+    observer: Observer | None = None,
     comm: Any = None,
 ) -> ErrorBars:
     """Run a scene again, refined in one thing at a time, and compare V/V0 at the saved times.
@@ -68,6 +69,8 @@ def error_bars(
         What came out.
     announce
         Is told of each part before its run.
+    observer
+        Is told of the steps of all these runs, and may interrupt them.
     comm
         MPI communicator whose ranks share the wall; all ranks of the world if left out.
 
@@ -83,7 +86,8 @@ def error_bars(
     for refinement in refinements(scene) if times else ():
         if announce is not None:
             announce(refinement.part)
-        finer = simulate(_until(scene, times).with_values(refinement.changes), comm=comm)
+        finer_scene = _until(scene, times).with_values(refinement.changes)
+        finer = simulate(finer_scene, observer=observer, comm=comm)
         if finer.status == "interrupted":
             raise KeyboardInterrupt
         if finer.status != "finished":

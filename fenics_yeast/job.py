@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
-from .interrupts import interrupts_at_steps
-from .output import OutputError, OutputFolder, writing
-from .record import History, Observer, Profile, Profiles, Result, Row, Timings
+from .interrupts import Interrupts
+from .output import OutputError, OutputFolder, Unwritable, writing
+from .record import History, Observer, Profile, Profiles, Result, Row, Status, Timings
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -43,7 +43,15 @@ class Screen(Observer, Protocol):
 
 
 class RunLost(Exception):
-    """The folder stopped taking in the run half-way, as a full disk does; on rank 0 alone."""
+    """The folder stopped taking in the run half-way, as a full disk does.
+
+    The message is a line that says what to do, `problem` the line without that. Where it is not
+    raised `everywhere` other ranks still wait for rank 0.
+    """
+
+    def __init__(self, problem: str, advice: str, *, everywhere: bool) -> None:
+        super().__init__(f"{problem}; {advice}")
+        self.problem, self.everywhere = problem, everywhere
 
 
 def run_into(
@@ -96,7 +104,9 @@ def run_into(
     RunLost
         If the folder cannot be written later on.
     KeyboardInterrupt
-        If the runs for the error bars are interrupted; the folder is complete without them.
+        If figures or runs for the error bars are interrupted: the folder holds all but those. A
+        run that is interrupted is told in the result; whatever interrupts it again waits until
+        the folder holds what was computed.
     """
     importing = perf_counter()
     began = importing if began is None else began
@@ -111,6 +121,7 @@ def run_into(
                 observers.append(screen)
             from ._form_cache import CompilerError
             from .checkpoint import CheckpointError
+            from .journal import ObserverError
             from .restart import Past
             from .simulation import simulate
         except ImportError as error:
@@ -128,35 +139,54 @@ def run_into(
             _announce(observers, screen, _nothing(path, scene))
         elif observers and screen is not None and past.start is not None:
             screen.taken_up(past.start.rows[-1], len(past.start.rows))
-        stack.enter_context(interrupts_at_steps(comm, observers))
+        interrupts = stack.enter_context(Interrupts(comm))
+        if comm.rank == 0:
+            observers.append(interrupts)
         clock = _Clock(began, import_s, past.start)
 
         def keep(checkpoint: Checkpoint) -> None:
             if folder is not None:
                 folder.keep(replace(checkpoint, timings=clock.whole(checkpoint.timings)))
 
+        simulated = False
         try:
             try:
                 observer = _All(observers)
                 result = simulate(scene, observer=observer, comm=comm, start=past.start, keep=keep)
+                simulated = True
                 status, message = comm.bcast((result.status, result.message))
+                if status == "failed" and interrupts.acted:
+                    status, message = "interrupted", f"interrupted at {result.end_time:g} min"
                 result = replace(result, status=status, message=message)
+                interrupts.hold()
             except KeyboardInterrupt:
-                result = _unstarted(past.start)
+                result = _cut_short(folder, past.start, "interrupted")
             if folder is not None:
-                _complete(folder, scene, result, clock, figures)
+                _complete(folder, scene, result, clock, figures, interrupts)
             if with_error_bars and result.status != "interrupted":
                 from .error_bars import error_bars
 
                 announce = screen.refining if observers and screen is not None else None
-                bars = error_bars(scene, result, announce=announce, comm=comm)
+                try:
+                    bars = error_bars(
+                        scene, result, announce=announce, observer=interrupts, comm=comm
+                    )
+                except KeyboardInterrupt:
+                    message = f"{result.message}; the error bars were interrupted"
+                    if folder is not None:
+                        folder.finish(replace(result, message=message), clock.whole(result.timings))
+                    raise
                 result = replace(result, error_bars=bars)
+                interrupts.hold()
                 if folder is not None:
-                    _complete(folder, scene, result, clock, figures)
+                    _complete(folder, scene, result, clock, figures, interrupts)
         except CheckpointError as error:
             raise OutputError(f"{path}: its checkpoint {error}; run the scene anew") from None
-        except OutputError as error:
-            raise RunLost(str(error)) from None
+        except Unwritable as error:
+            advice = _lose(folder, error, past.start, clock)
+            raise RunLost(error.problem, advice, everywhere=not simulated) from None
+        except ObserverError as error:  # on other ranks than 0
+            raise RunLost(str(error), "rank 0 tells more", everywhere=True) from None
         except CompilerError as error:
             raise DolfinxMissing(str(error)) from None
     return result
@@ -207,16 +237,17 @@ def _nothing(path: Path, scene: Scene) -> str:
     return f"{path}: no checkpoint to go on from; the run starts from the beginning"
 
 
-def _unstarted(start: Start | None) -> Result:
-    """Result of a run that was interrupted before its first step."""
-    rows = () if start is None else start.rows
+def _cut_short(
+    folder: OutputFolder | None, start: Start | None, status: Status, message: str = ""
+) -> Result:
+    """Result of a run that ended outside of its steps, from what its folder has taken in."""
+    rows = () if folder is None else folder.rows
+    when = f"at {rows[-1].time_min:g} min" if rows else "before the first equilibrium"
     return Result(
         history=History(rows),
-        profiles=Profiles(() if start is None else start.profiles),
-        status="interrupted",
-        message="interrupted before the first equilibrium"
-        if start is None
-        else f"interrupted at {rows[-1].time_min:g} min",
+        profiles=Profiles(() if folder is None else folder.profiles),
+        status=status,
+        message=message or f"{status} {when}",
         end_time=rows[-1].time_min if rows else 0.0,
         dofs=0,
         steps=max(0, len(rows) - 1),
@@ -224,6 +255,22 @@ def _unstarted(start: Start | None) -> Result:
         newton_iterations=0 if start is None else start.checkpoint.tally.iterations,
         timings=Timings() if start is None else start.checkpoint.timings,
     )
+
+
+def _lose(
+    folder: OutputFolder | None, error: Unwritable, start: Start | None, clock: _Clock
+) -> str:
+    """What to do about a folder that takes in no more; its summary tells, if there is room."""
+    then = "run the scene again"
+    if folder is not None and folder.complete:
+        then = f"fenics-yeast plot {folder.path} draws what lacks"
+    elif folder is not None:
+        with suppress(OutputError):
+            result = _cut_short(folder, start, "failed", error.problem)
+            folder.summarise(result, clock.whole(result.timings))
+        if folder.can_go_on:
+            then = "the same command with --resume goes on"
+    return f"once that is mended, {then}"
 
 
 class _Clock:
@@ -245,27 +292,34 @@ class _Clock:
 
 
 def _complete(
-    folder: OutputFolder, scene: Scene, result: Result, clock: _Clock, figures: bool
+    folder: OutputFolder,
+    scene: Scene,
+    result: Result,
+    clock: _Clock,
+    figures: bool,
+    interrupts: Interrupts,
 ) -> None:
-    """Draw the figures, make the surfaces and write the summary."""
-    if result.status == "interrupted":  # there may be no time left for figures
-        folder.finish(result, clock.whole(result.timings))
+    """Write the summary, draw the figures and make the surfaces, for which there may be no time."""
+    folder.finish(result, clock.whole(result.timings))
     drawing = perf_counter()
-    if figures:
-        from . import plots, surface
-
-        with writing(folder.path):
-            if len(result.profiles):
-                surface.write_surfaces(folder.path, scene, result.profiles)
-            plots.draw(
-                folder.path,
-                scene,
-                result.history,
-                result.profiles,
-                result.status,
-                result.error_bars,
-            )
+    try:
+        interrupts.release()
+        if figures:
+            _draw(folder.path, scene, result)
+    except KeyboardInterrupt:
+        if result.status != "interrupted":
+            raise
     folder.finish(result, clock.whole(result.timings, perf_counter() - drawing))
+
+
+def _draw(path: Path, scene: Scene, result: Result) -> None:
+    from . import plots, surface
+
+    found = result.history, result.profiles, result.status, result.error_bars
+    with writing(path):
+        if len(result.profiles):
+            surface.write_surfaces(path, scene, result.profiles)
+        plots.draw(path, scene, *found)
 
 
 class _All:

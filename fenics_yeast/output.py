@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import platform
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
@@ -38,18 +39,29 @@ class OutputError(Exception):
     """An output folder that cannot be written or read; the message is one line."""
 
 
+class Unwritable(OutputError):
+    """A folder that cannot be written: `problem` is the message without what to do about it."""
+
+    def __init__(self, problem: str, advice: str) -> None:
+        super().__init__(f"{problem}; {advice}")
+        self.problem = problem
+
+
 @contextmanager
 def writing(directory: Path) -> Iterator[None]:
-    """Turn what goes wrong in writing to an output folder into an `OutputError`."""
+    """Turn what goes wrong in writing to an output folder into an `Unwritable`."""
+    advice = "choose another output folder"
     try:
         yield
     except (FileExistsError, NotADirectoryError):
         problem = "is a file, or lies below one"
     except OSError as error:
         problem = f"cannot be written: {error.strerror or error}"
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+            advice = f"make room there, or {advice}"
     else:
         return
-    raise OutputError(f"{directory}: {problem}; choose another output folder")
+    raise Unwritable(f"{directory}: {problem}", advice)
 
 
 def replace_file(path: Path, content: bytes) -> None:
@@ -81,6 +93,13 @@ class OutputFolder:
     start
         Where the run is taken up that the folder holds; None for a new run.
 
+    Attributes
+    ----------
+    complete
+        Whether there is a summary of this run, and all but figures.
+    can_go_on
+        Whether there is a checkpoint of it.
+
     Raises
     ------
     OutputError
@@ -93,6 +112,7 @@ class OutputFolder:
         self._rows: list[Row] = [] if start is None else list(start.rows)  # in the file
         self._kept: list[Profile] = [] if start is None else list(start.profiles)
         self._profiles_written = 0
+        self.complete, self.can_go_on = False, start is not None
         self._may_write_at = 0.0
         with writing(self.path):
             if start is None:
@@ -106,8 +126,17 @@ class OutputFolder:
         return self
 
     def __exit__(self, *_: object) -> None:
-        with suppress(OSError):  # a line that did not fit, told before
-            self._history.close()
+        self._history.close()
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Rows of the history so far."""
+        return tuple(self._rows)
+
+    @property
+    def profiles(self) -> tuple[Profile, ...]:
+        """Profiles of the saved times so far."""
+        return tuple(self._kept)
 
     def accepted(self, row: Row) -> None:
         """Append a row to the history."""
@@ -134,6 +163,7 @@ class OutputFolder:
         with writing(self.path):
             os.fsync(self._history.fileno())
             self._replace(CHECKPOINT, checkpoint.to_bytes())
+        self.can_go_on = True
 
     def finish(self, result: Result, timings: Timings) -> None:
         """Complete the folder with what is known at the end; again, where more is known.
@@ -145,6 +175,17 @@ class OutputFolder:
         timings
             Those of the whole command, in place of the result's own.
         """
+        self._present()
+        if self._profiles_written != len(result.profiles):
+            self._kept = list(result.profiles)
+            self._write_profiles()
+        with writing(self.path):
+            if len(self._rows) != len(result.history):  # interrupted between step and row
+                self._write_history(result.history.rows)
+        self.summarise(result, timings)
+
+    def summarise(self, result: Result, timings: Timings) -> None:
+        """Write the summary alone, as far as there may be room."""
         summary: dict[str, object] = {
             "status": result.status,
             "end_time_min": float(result.end_time),
@@ -158,14 +199,9 @@ class OutputFolder:
         }
         if result.error_bars is not None:
             summary["error_bars"] = _error_bars(result.error_bars)
-        self._present()
-        if self._profiles_written != len(result.profiles):
-            self._kept = list(result.profiles)
-            self._write_profiles()
         with writing(self.path):
-            if len(self._rows) != len(result.history):  # interrupted between step and row
-                self._write_history(result.history.rows)
             self._replace(_RUN, (json.dumps(summary, indent=2) + "\n").encode())
+        self.complete = True
 
     def _claim(self) -> None:
         """Make the folder, or clear it of what an earlier run would go on from."""
@@ -190,23 +226,29 @@ class OutputFolder:
         """Write the scene, and the history as far as it is known."""
         self._replace(_SCENE, self._scene.to_toml().encode())
         self._write_history(self._rows)
-        self._history = open(self.path / _HISTORY, "a", encoding="utf-8")  # noqa: SIM115
+        self._history = open(self.path / _HISTORY, "ab", buffering=0)  # noqa: SIM115
 
     def _present(self) -> None:
         """Make the folder again if it has been removed."""
         if (self.path / _HISTORY).exists():
             return
         with writing(self.path):
-            with suppress(OSError):
-                self._history.close()
+            self._history.close()
             self.path.mkdir(parents=True, exist_ok=True)
             self._begin()
         if self._kept:
             self._write_profiles()
 
     def _append(self, line: str) -> None:
-        self._history.write(line + "\n")
-        self._history.flush()
+        """Add a whole line, or none where the disk is full."""
+        content = (line + "\n").encode()
+        whole = os.fstat(self._history.fileno()).st_size
+        try:
+            while content:
+                content = content[self._history.write(content) :]
+        except OSError:
+            self._history.truncate(whole)
+            raise
 
     def _write_history(self, rows: Iterable[Row]) -> None:
         lines = [_HEADER, *map(_line, rows)]

@@ -345,6 +345,7 @@ def simulate(
         with suppress(KeyboardInterrupt):  # told in the result
             for _ in simulation:
                 pass
+        simulation.close()  # if it was interrupted between two steps
         return simulation.result
 
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from threading import Event, Lock, Thread
 from typing import Any, Protocol
 
+from .interrupts import SIGNALS
 from .job import DolfinxMissing, RunLost, run_into
 from .output import OutputError, writing
 from .record import Result
@@ -188,8 +189,10 @@ def _work(directory: Path, case: Case) -> str:
                 result = run(resume=was_cut_short(directory, case))
             except OutputError:  # its checkpoint is damaged
                 result = run(resume=False)
-        except (OutputError, RunLost) as error:
+        except OutputError as error:
             return str(error)
+        except RunLost as error:
+            return error.problem
         if result.status == "interrupted" and not _STOP.is_set():
             raise KeyboardInterrupt  # that was meant for the whole sweep
     return ""
@@ -207,7 +210,9 @@ def _begin(parent: Connection) -> None:
         with _BUSY:
             os._exit(1)
 
-    signal.signal(signal.SIGTERM, lambda *_: _STOP.set())
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, lambda *_: _STOP.set())
     Thread(target=watch, daemon=True).start()
 
 
@@ -280,7 +285,7 @@ def _message(future: Future[str]) -> str:
 
 def _serve(comm: Any) -> None:
     """Run the cases that rank 0 hands out, until it has no more."""
-    for number in (signal.SIGTERM, signal.SIGINT):
+    for number in SIGNALS:
         signal.signal(number, lambda *_: _STOP.set())
     with _executor(comm):
         return

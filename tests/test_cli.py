@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -319,13 +320,19 @@ def wait_for(condition: Callable[[], bool], process: subprocess.Popen[str]) -> N
         time.sleep(0.02)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, number: int) -> None:
+SIGNALS = [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]]
+
+
+@pytest.mark.parametrize("numbers", SIGNALS)
+def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers: list[int]) -> None:
+    """Ctrl-C, the end of a batch job or of a connection; once more while figures are drawn."""
     process = start("run", "small.toml", "--quiet", "--set", "numerics.step=0.002")
     folder = here / "out" / "small"
     path = folder / "history.csv"
     wait_for(lambda: path.exists() and path.read_bytes().count(b"\n") > 10, process)
-    process.send_signal(number)
+    for number in numbers:
+        process.send_signal(number)
+        time.sleep(0.03 if number is numbers[0] else 0)
     output, errors = process.communicate(timeout=60)
     assert (process.returncode, output) == (130, "")
     assert errors.startswith("interrupted at ") and errors.count("\n") == 1
@@ -334,20 +341,74 @@ def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, number: 
     assert summary["status"] == "interrupted"
     assert summary["end_time_min"] == history.time_min[-1] == profiles.all[-1].time
     assert summary["steps"] == len(history) - 1
-    assert tree(folder) == FILES
+    assert tree(folder) == FILES if len(numbers) == 1 else tree(folder) <= FILES
 
 
-def test_a_disk_that_fills_up_ends_the_run_in_a_line(here: Path) -> None:
+@pytest.mark.parametrize(
+    ("size", "status", "advice"),
+    [
+        (1500, "failed", "run the scene again"),
+        (50_000, "finished", "fenics-yeast plot out/small draws what lacks"),
+    ],
+)
+def test_a_disk_that_fills_up_ends_the_run_in_a_line(
+    here: Path, size: int, status: str, advice: str
+) -> None:
+    """In a line of the history, which then has whole lines only; or in a figure."""
     code = (
         "import resource; from mpi4py import MPI; from fenics_yeast.cli import main\n"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (1500, 1500)); main()"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); main()"
     )
     command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (4, "")
     assert done.stderr.startswith("error: out/small: cannot be written: ")
+    assert done.stderr.endswith(f"; once that is mended, {advice}\n")
     assert done.stderr.count("\n") == 1
-    assert 0 < len(load_history(here / "out" / "small")) < 12
+    folder = here / "out" / "small"
+    rows = load_history(folder)
+    assert (folder / "history.csv").read_text().count("\n") == len(rows) + 1 > 1
+    assert (folder / "history.csv").read_bytes().endswith(b"\n")
+    summary = json.loads((folder / "run.json").read_text())
+    assert summary["status"] == status
+    assert ("cannot be written" in summary["message"]) == (status == "failed")
+    assert summary["steps"] == len(rows) - 1
+
+
+def test_interrupted_figures_and_error_bars_leave_the_run_as_it_is(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    for part, message in (("error_bars.error_bars", "; the error bars were interrupted"),
+                          ("plots.draw", "")):  # fmt: skip
+        monkeypatch.setattr(f"fenics_yeast.{part}", interrupted)
+        result = call("run", "small.toml", "--quiet", "--error-bars")
+        assert (result.exit_code, result.stderr) == (130, "interrupted\n")
+        summary = json.loads((here / "out" / "small" / "run.json").read_text())
+        assert summary["status"] == "finished"
+        assert summary["message"] == "reached 20 min" + message
+
+
+def test_an_interrupt_of_the_compilation_leaves_what_the_folder_holds(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And anywhere else where the simulation cannot tell of it: before, or on its way out."""
+    real = simulation.simulate
+
+    def interrupted(*arguments: Any, **options: Any) -> None:
+        real(*arguments, **options)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(simulation, "simulate", interrupted)
+    result = call("run", "small.toml", "--quiet")
+    assert (result.exit_code, result.stderr) == (130, "interrupted at 20 min\n")
+    folder = here / "out" / "small"
+    summary = json.loads((folder / "run.json").read_text())
+    assert summary["status"] == "interrupted" and summary["end_time_min"] == 20
+    assert len(load_history(folder)) == summary["steps"] + 1 > 10
+    assert [profile.time for profile in load_profiles(folder)] == [10, 20]
 
 
 def test_a_reader_that_goes_away_does_not_end_the_run(here: Path) -> None:
