@@ -95,12 +95,15 @@ def draw_wall(axes: Axes, profile: Profile, scene: Scene, scale: float, colourin
     middle = (S[1:] + S[:-1]) / 2
     zone = zone_numbers(scene, middle) > 0
     colours = colouring.to_rgba(np.interp(middle[zone], profile.S_points, area_strain(profile)))
+    # What does not grow is drawn in one go from zone to zone.
+    parts = np.split(np.arange(len(zone)), np.flatnonzero(np.diff(zone)) + 1)
+    rests = [slice(part[0], part[-1] + 2) for part in parts if not zone[part[0]]]
     for side in (-1, 1):
         nodes = np.column_stack([side * r, z])
-        pieces = np.stack([nodes[:-1], nodes[1:]], axis=1)
-        for part, colour in ((~zone, WALL), (zone, colours)):
+        pieces = np.stack([nodes[:-1], nodes[1:]], axis=1)[zone]
+        for lines, colour in (([nodes[rest] for rest in rests], WALL), (list(pieces), colours)):
             axes.add_collection(
                 LineCollection(
-                    pieces[part].tolist(), colors=colour, linewidths=linewidth, capstyle="round"
+                    lines, colors=colour, linewidths=linewidth, capstyle="round", joinstyle="round"
                 )
             )

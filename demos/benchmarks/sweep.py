@@ -32,7 +32,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--width", type=int, default=2, help="number of processes or ranks")
     parser.add_argument("--cases", type=int, default=60)
-    parser.add_argument("--step", type=float, default=0.25, help="time step of a case in min")
+    parser.add_argument("--step", type=float, default=0.14, help="time step of a case in min")
     parser.add_argument("--mpi", action="store_true", help="ranks in place of processes")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
