@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _PANEL, _GAP, _LEFT = 1.75, 0.15, 0.55  # width of a shape's panel and around it, inches
+_LABEL = 1.6  # length of the label of growth, inches
 _MOST_IN_A_ROW, _MOST_SHAPES = 5, 20
 _POINTS = 72.0  # of an inch
 
@@ -50,7 +51,8 @@ def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> No
     colouring = growth_colours(largest)
     row_height = panel_height + 0.95
     panels = columns * (_PANEL + _GAP)
-    width = _LEFT + panels + (0.8 if largest > 0 else 0.05)
+    low = panel_height < _LABEL  # as a disc's
+    width = _LEFT + panels + ((0.95 if low else 0.8) if largest > 0 else 0.05)
     height = rows * row_height
     with figure_of(path, width, height) as figure:
 
@@ -72,7 +74,8 @@ def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> No
             draw_wall(axes, profile, scene, scale, colouring)
         if largest > 0:
             axes = place(_LEFT + panels, height - row_height + 0.45, 0.1, panel_height)
-            figure.colorbar(colouring, cax=axes, label="growth strain ε₁ + ε₂")
+            label = "growth strain\nε₁ + ε₂" if low else "growth strain ε₁ + ε₂"
+            figure.colorbar(colouring, cax=axes, label=label)
 
 
 def _selection(profiles: Profiles) -> list[Profile]:
