@@ -8,7 +8,13 @@ The published loads are 4 to 6 % above ours up to the flat state, and 7 % below 
 axisymmetric solid of the same dimensions, with quadratic cells, Green and Lagrange's strain and the
 same law, says that ours are right, to 1 %: loads and supports at the corners in place of the
 mid-surface move it by less than half of the gap. A rise of 1.30 would bring all five within 3 % of
-theirs. Hence what is asserted is the solid; their numbers are told.
+theirs. All five lie between ours and those of a cross-section that turns without bending,
+
+    P = 4 E d / ((1 - ν²) K D²) ((H - d)(H - d/2) t + t³)
+
+(J. O. Almen and A. Laszlo, The uniform-section disk spring, Trans. ASME 58, 1936, 305-314), as
+loads of an element too stiff along the meridian would. Hence asserted are the solid, to 1.2 %, and
+Surana's, to 7.5 % on the side that is away from such a cross-section.
 """
 
 from __future__ import annotations
@@ -17,10 +23,13 @@ import numpy as np
 import ufl
 from benchmark import Row, picture, show
 from dolfinx import fem
+from numpy.typing import NDArray
 from solid import Solid
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.record import History
+
+Array = NDArray[np.float64]
 
 OUTER, INNER, RISE, T, YOUNG, POISSON = 7.62, 2.54, 1.27, 0.508, 2100.0, 0.3
 SURANA = {0.252: 0.510, 0.510: 0.751, 0.642: 0.794, 1.271: 0.510, 1.900: 0.235}
@@ -75,26 +84,44 @@ def solid(deflections: list[float]) -> list[float]:
     return loads
 
 
+def rigid(deflections: Array) -> Array:
+    """Loads per length of the inner edge of a cross-section that turns without bending."""
+    d, ratio = deflections, OUTER / INNER
+    K = ((ratio - 1) / ratio) ** 2 / ((ratio + 1) / (ratio - 1) - 2 / np.log(ratio)) / np.pi
+    stiffness = 4 * YOUNG / ((1 - POISSON**2) * K * (2 * OUTER) ** 2)
+    return stiffness * d * ((RISE - d) * (RISE - d / 2) * T + T**3) / AROUND
+
+
 def rows(history: History | None = None) -> list[Row]:
     history = history or shell()
-    loads = np.interp(list(SURANA), -history.displacement_um, -history.force_uN / AROUND)
+    deflections, theirs = np.array(list(SURANA.items())).T
+    loads = np.interp(deflections, -history.displacement_um, -history.force_uN / AROUND)
     reference = solid(list(SURANA))
-    return [
-        Row.near(f"load at {d} (Surana: {theirs:.3f})", ours, here, 0.012)
-        for (d, theirs), ours, here in zip(SURANA.items(), loads, reference, strict=True)
+    found = [
+        Row.near(f"load at {d}, solid", ours, here, 0.012)
+        for d, ours, here in zip(deflections, loads, reference, strict=True)
     ]
+    away = theirs * (1 - 0.075 * np.sign(rigid(deflections) - theirs))
+    found += [
+        Row(f"load at {d}, Surana", float(ours), load, *sorted((load, far)))
+        for d, ours, load, far in zip(deflections, loads, theirs, away, strict=True)
+    ]
+    return found
 
 
 def main() -> None:
     history = shell()
     found = rows(history)
-    print("published here: by the axisymmetric solid")
     show(found)
     with picture("belleville") as axes:
         load = -history.force_uN / AROUND
         axes.plot(-history.displacement_um, load, color="#0072b2", label="shell")
         axes.plot(
-            list(SURANA), [row.published for row in found], "o", color="#009e73", label="solid"
+            list(SURANA),
+            [row.published for row in found[: len(SURANA)]],
+            "o",
+            color="#009e73",
+            label="solid",
         )
         axes.plot(list(SURANA), list(SURANA.values()), "x", color="#d55e00", label="Surana")
         axes.set(xlabel="deflection (cm)", ylabel="load per length of the inner edge")
