@@ -35,7 +35,10 @@ class Polarity(Table):
     its size, and the wall moves out of it.
     """
 
-    pole: Literal["top", "bottom"] = Field(default="top", description="pole around which it lies")
+    pole: Literal["top", "bottom", "both"] | None = Field(
+        default=None,
+        description="pole around which it lies; left out: that of the zone, or the top one",
+    )
     centre: Length | None = Field(
         default=None, ge=0, description="arc length of the point, in place of a pole (µm)"
     )
@@ -71,6 +74,21 @@ class Growth(_Span):
         begins, ends = self.span
         if ends <= begins:
             raise refusal("", allowed=f"a time after from ({begins:g} min)", key="until")
+        return self
+
+    @model_validator(mode="after")
+    def _polarity_is_about_its_zone(self) -> Self:
+        """Put polarity around the zone's own pole, or each of them, unless a point was given."""
+        polarity = self.polarity
+        if polarity is None or polarity.centre is not None:
+            return self
+        given = polarity.model_fields_set
+        pole = polarity.pole if "pole" in given else None
+        if pole == "both" and self.zone.pole != "both":
+            allowed = 'around both poles it lies in a zone with pole = "both"'
+            raise refusal("", allowed=allowed, key="polarity.pole")
+        values = dict(polarity) | {"pole": pole or self.zone.pole or "top"}
+        self.__dict__["polarity"] = Polarity.model_construct(given, **values)  # frozen
         return self
 
     @property

@@ -115,7 +115,10 @@ def discretise(scene: Scene) -> Discretisation:
     density: Callable[[Array], Array] = np.ones_like
     if scene.numerics.grading == "graded":
         tips = [polarity for zone in scene.growing if (polarity := zone.polarity) is not None]
-        points = [_Point(_centre(tip, curve), tip.width, tip.follow == "tip") for tip in tips]
+        points = [
+            _Point(S, tip.width, tip.follow == "tip")
+            for tip in tips for S in _centres(tip, curve)
+        ]  # fmt: skip
         rests = [0.0] if load and scene.cell.closed else []  # on a point, as sharp as the load
         layers = [*inner, *outer, *load, *rests]
         density = _graded(curve.length, grows, layers, layer, points)
@@ -198,10 +201,11 @@ class _Point:
         return [self.S + inward * self.width * part for part in (_NEAREST, 0.01, 0.1)]
 
 
-def _centre(polarity: Polarity, curve: Curve) -> float:
+def _centres(polarity: Polarity, curve: Curve) -> list[float]:
     if polarity.centre is not None:
-        return polarity.centre
-    return 0.0 if polarity.pole == "bottom" else curve.length
+        return [polarity.centre]
+    ends = {"bottom": [0.0], "both": [0.0, curve.length]}
+    return ends.get(polarity.pole or "top", [curve.length])
 
 
 def _graded(

@@ -173,7 +173,8 @@ class Scene(Table):
             return self
         zones = [growth.zone for growth in self.growing]
         layers = self.cell.layers + sum(zone.layers for zone in (*zones, *self.wall.zone))
-        layers += 2 * sum(growth.polarity is not None for growth in self.growing)
+        tips = [growth for growth in self.growing if growth.polarity is not None]
+        layers += 2 * sum(growth.zone.parts for growth in tips)
         if self.axial_load is not None:
             layers += 2 if self.cell.closed else 1  # the load, and the pole that bears it
         elements = elements_for(numerics.tolerance, sum(zone.parts for zone in zones), layers)
@@ -197,7 +198,8 @@ class Scene(Table):
     def _has_centre(self, polarity: Polarity, key: str) -> None:
         """Refuse a polarity around a point that is not on the cell."""
         if polarity.centre is None:
-            self._has_pole(polarity.pole, key)
+            for pole in ("top", "bottom") if polarity.pole == "both" else (polarity.pole,):
+                self._has_pole(pole, key)
             return
         from fenics_yeast.meridian import reference_curve
 

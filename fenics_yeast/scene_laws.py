@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import growth, wall
+from ._cell import Pole
 from ._wall import AnyWall
 from .laws import Law, Parameter
 from .meridian import Discretisation, reference_curve
@@ -64,10 +65,11 @@ def growth_law(scene: Scene, cut: Discretisation, own: Law | None = None) -> Law
     }
     law = own or Law(growth.stress_driven, parameters)
     rates, stresses = [], []
-    for parts, zone in zip(cut.zones, scene.growing, strict=True):
-        bump, of_rate = _bump(zone, scene, cut), zone.polarity and zone.polarity.weight == "rate"
-        rates.append(Weight(parts, zone.span, bump if of_rate else None))
-        stresses.append(Weight(parts, bump=None if of_rate else bump))
+    for whole, zone in zip(cut.zones, scene.growing, strict=True):
+        of_rate = zone.polarity and zone.polarity.weight == "rate"
+        for parts, bump in _bumps(whole, zone, scene, cut):
+            rates.append(Weight(parts, zone.span, bump if of_rate else None))
+            stresses.append(Weight(parts, bump=None if of_rate else bump))
     if any(weight != Weight(weight.parts) for weight in stresses):
         if own is not None:
             raise ValueError('a growth law of your own has no threshold: weight = "rate" is wanted')
@@ -78,18 +80,26 @@ def growth_law(scene: Scene, cut: Discretisation, own: Law | None = None) -> Law
     return law
 
 
-def _bump(zone: Growth, scene: Scene, cut: Discretisation) -> Bump | None:
-    """How growth of a zone falls off around a point."""
+def _bumps(
+    parts: Intervals, zone: Growth, scene: Scene, cut: Discretisation
+) -> list[tuple[Intervals, Bump | None]]:
+    """How growth of a zone falls off around a point: its parts, each with its own point."""
     polarity = zone.polarity
     if polarity is None:
-        return None
-    if polarity.follow == "tip":
-        return Bump(polarity.pole, polarity.width)
-    centre = polarity.centre
-    if centre is None:
-        return Bump(0.0 if polarity.pole == "bottom" else cut.curve.length, polarity.width)
-    # Straight elements are a little shorter than the curve whose arc length was given.
-    return Bump(centre * cut.curve.length / reference_curve(scene.cell).length, polarity.width)
+        return [(parts, None)]
+    if polarity.centre is not None:
+        # Straight elements are a little shorter than the curve whose arc length was given.
+        scale = cut.curve.length / reference_curve(scene.cell).length
+        return [(parts, Bump(polarity.centre * scale, polarity.width))]
+    if polarity.pole == "both":  # caps that may meet at their edges
+        lower = tuple(part for part in parts if part.start + part.end < cut.curve.length)
+        upper = tuple(part for part in parts if part not in lower)
+        halves: list[tuple[Intervals, Pole]] = [(lower, "bottom"), (upper, "top")]
+    else:
+        halves = [(parts, polarity.pole or "top")]
+    ends = {"bottom": 0.0, "top": cut.curve.length}
+    tip = polarity.follow == "tip"
+    return [(half, Bump(pole if tip else ends[pole], polarity.width)) for half, pole in halves]
 
 
 def thicker(material: AnyWall, cut: Discretisation) -> Parameter:

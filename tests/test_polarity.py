@@ -232,3 +232,46 @@ def test_wrong_polarity_is_told_in_one_line(polarity, said):
     assert len(message.splitlines()) == 1
     for part in said:
         assert part in message
+
+
+@pytest.mark.parametrize("follow", ["point", "tip"])
+@pytest.mark.parametrize("weight", ["rate", "threshold"])
+def test_zones_at_both_poles_follow_each_its_own(whole, weight, follow):
+    """As two zones written by hand, and alike at top and bottom."""
+    polarity = {"width": 0.7, "weight": weight, "follow": follow}
+    cap = {"half_angle": 60.0}
+    law = {"threshold": 1.0, "time": 45.0}
+    numerics = {"numerics.elements": 48, "numerics.order": 2}
+    changes = {**numerics, "run": {"end": 2.0}}
+    growth = {**law, "zone": {"pole": "both", **cap}, "polarity": polarity}
+    both = whole.with_values({**changes, "growth": growth})
+    by_hand = [
+        {**law, "zone": {"pole": pole, **cap}, "polarity": {**polarity, "pole": pole}}
+        for pole in ("bottom", "top")
+    ]
+    one, two = (
+        simulate(each) for each in (both, whole.with_values({**changes, "growth": by_hand}))
+    )
+    assert one.history.volume_ratio[-1] == pytest.approx(two.history.volume_ratio[-1], rel=1e-8)
+    strain = one.profiles.at(2).growth_strain[[0, -1]]
+    np.testing.assert_allclose(strain[0], strain[1], rtol=2e-3)
+    assert strain.min() > 0.04
+    assert Scene.from_toml(both.to_toml()) == both
+
+
+def test_polarity_lies_around_the_pole_of_its_zone(whole):
+    def pole(zone, **values):
+        changes = {"growth.zone": zone, "growth.polarity": {"width": 1.0, **values}}
+        return whole.with_values(changes).growth.polarity.pole
+
+    cap = {"half_angle": 60}
+    assert pole({"pole": "bottom", **cap}) == "bottom"
+    assert pole({"pole": "both", **cap}) == "both"
+    assert pole({"pole": "both", **cap}, pole="top") == "top"
+    assert pole({"from_fraction": 0, "to_fraction": 1}) == "top"
+    bottom = whole.with_values({"growth.polarity": {"width": 1.0}}).with_values(
+        {"growth.zone.pole": "bottom"}
+    )
+    assert bottom.growth.polarity.pole == "bottom"
+    with pytest.raises(SceneError, match=r'polarity.pole = "both": .*pole = "both"'):
+        pole({"pole": "top", **cap}, pole="both")
