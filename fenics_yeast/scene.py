@@ -111,6 +111,9 @@ class Scene(Table):
         if not self.wall.bending and not self.cell.stiff_without_bending:
             allowed = "a flat ring without bending bears nothing; give it a height, or bending"
             raise refusal("", allowed=allowed, key="wall.bending")
+        if not self.wall.bending and self.cell.ends in (("roller", "free"), ("axial", "free")):
+            allowed = "hinged or clamped: a membrane with a free edge pulls the other one inwards"
+            raise refusal("", allowed=allowed, key="cell.edge")
         self._bears_its_load()
         if self.path is not None:
             for table in ("run", "growth"):

@@ -58,7 +58,7 @@ def test_commands_in_their_order(checkout: Path) -> None:
 
 
 def is_scene(block: str) -> bool:
-    return "cell" in tomllib.loads(block)
+    return {"cell", "wall"} <= tomllib.loads(block).keys()
 
 
 @pytest.mark.parametrize("number", range(len(blocks("toml"))))

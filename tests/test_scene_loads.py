@@ -171,3 +171,18 @@ def test_malformed_loads_are_told_in_one_line(text: str, said: str) -> None:
     message = str(caught.value)
     assert len(message.splitlines()) == 1
     assert message.startswith("balloon.toml: " + said)
+
+
+@pytest.mark.parametrize("edge", ["roller", "axial"])
+def test_a_membrane_that_nothing_holds_is_refused(edge):
+    """Of a cone with a free edge: the other one would have to bear the wall's radial pull."""
+    size = "outer_diameter = 6, inner_diameter = 2, height = 2"
+    text = f"""
+        cell = {{ shape = "cone", {size}, edge = "{edge}" }}
+        wall = {{ thickness = 0.1, shear_modulus = 40, bending = false }}
+        turgor = {{ pressure = 0.1 }}
+    """
+    with pytest.raises(SceneError, match=f'cell.edge = "{edge}": hinged or clamped'):
+        Scene.from_toml(text)
+    Scene.from_toml(text.replace(edge, "hinged"))
+    Scene.from_toml(text.replace(", bending = false", ""))
