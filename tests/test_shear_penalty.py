@@ -27,14 +27,14 @@ def test_a_bud_near_its_limit_point(cell_scene: Scene, order: int) -> None:
     """A minute before it bursts, the error of V/V0 still is 0.012/κ."""
     values = {
         "numerics.thickness_points": 3,
-        "numerics.elements": 24,
+        "numerics.elements": 24 if order > 1 else 160,
         "numerics.order": order,
         "run": {"end": 92.0},
     }
     counts, volumes = runs(cell_scene, values)
     assert counts.max() <= 1.1 * counts.min()
     errors = volumes[:-1] - volumes[-1]
-    np.testing.assert_allclose(errors[:2] * PENALTIES[:2], 0.012 if order > 1 else 0.009, rtol=0.05)
+    np.testing.assert_allclose(errors[:2] * PENALTIES[:2], 0.012, rtol=0.05)
     assert abs(errors[2]) < 1e-7
 
 
