@@ -296,7 +296,7 @@ def loss_of_equilibrium() -> list[Case]:
         "at once": {},
         "in 0.01 min": {"turgor.ramp": 0.01},
         "in 1e-8 min": {"turgor.ramp": 1e-8},
-        "elastic, in 1e-6 of a million min": {"growth": None, "turgor.ramp": 1e-6, **until(1e6)},
+        "elastic, in 1e-6 min": {"growth": None, "turgor.ramp": 1e-6, **until(1e6)},
         "as a path of two steps": {"growth": None, "run": None, "path": by_pressure},
     }.items():
         scene = BUD.with_values({"turgor.pressure": 2.5, **change})
