@@ -79,8 +79,7 @@ for what it uses alone: without growth there is no state at the points and no up
 bending neither rotation nor shear force nor thickness points; a force is a number added to the
 residual; what a law does not use is not in its compiled forms, and other numbers compile nothing
 anew. More unknowns come from more cells, at joints, at edges of zones and about a point force.
-Least of {repeats} runs on a busy machine, so that times are good for a factor of two alone; written
-by `demos/benchmarks/features.py --write`.
+Least of {repeats} runs on a shared machine; written by `demos/benchmarks/features.py --write`.
 
 {table}
 """
