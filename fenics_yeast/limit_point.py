@@ -12,7 +12,7 @@ from .record import Row
 from .volume_control import VolumeControl
 
 _SHARPNESS = 2e-5  # of the time: how near the limit point is found
-_LARGEST_STEP = 0.02  # of the volume; for a wanted error of V/V0 of 1e-4 or less, half of it
+_LARGEST_STEP = 0.02  # of the volume; less of it where more precision is wanted
 _LEAST_STEP = 1e-7
 _MOST_STEPS = 400
 
@@ -61,7 +61,7 @@ def approach(
     if shell.growth is None:
         raise ValueError("an elastic wall does not change in time")
     spent = 0
-    fraction = _LARGEST_STEP * min(1.0, 0.5 * (precision / 1e-4) ** (1 / LIMIT_POINT.order))
+    fraction = _LARGEST_STEP * min(1.0, 0.8 * (precision / 1e-4) ** (1 / LIMIT_POINT.order))
     largest = copysign(fraction * shell.volume(), growth_rate)
     change, first_rate = 0.5 * largest, growth_rate
     beginning, pressure = evolution.state.time, evolution.pressure
