@@ -131,7 +131,7 @@ debian-packages:
 	    { echo "error: no apt-get here: fenics-yeast needs Debian 12 or 13 with $(PACKAGES)" >&2; exit 1; }; \
 	if [ "$$(id -u)" -eq 0 ]; then root=; else root=sudo; \
 	    command -v sudo >/dev/null || fail "Debian packages are missing, and there is no sudo"; fi; \
-	echo "Installing the Debian packages $(PACKAGES) (300 MB or more, a few minutes)"; \
+	echo "Installing from Debian: $(PACKAGES), and what they need (minutes)"; \
 	log=$$(mktemp); apt="$$root env DEBIAN_FRONTEND=noninteractive apt-get --quiet --option DPkg::Lock::Timeout=300"; \
 	{ $$apt update || true; $$apt install --yes --no-install-recommends $(PACKAGES); } > "$$log" 2>&1 || \
 	    { tail -n 5 "$$log" >&2; fail "the Debian packages could not be installed (all of apt's words: $$log)"; }; \

@@ -1,12 +1,12 @@
 #!/bin/bash
-# Builds the image and tries it: command, output, demo, ranks, tests. Arguments go to pytest.
-# With docker or podman where an engine answers; else, as root, with buildah, which needs none, over a base
-# that debootstrap makes in ${XDG_CACHE_HOME:-~/.cache}/fenics-yeast.
+# Builds the image and tries it: command, output, demo, ranks, a sweep by compose, tests. Arguments go to pytest.
+# With docker or podman where an engine answers; else, as root, with buildah, which needs none. Where no registry
+# answers either, debootstrap makes the base in ${XDG_CACHE_HOME:-~/.cache}/fenics-yeast.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 image=fenics-yeast base=debian:trixie-slim
-cache=${XDG_CACHE_HOME:-$HOME/.cache}/fenics-yeast
+tree=${XDG_CACHE_HOME:-$HOME/.cache}/fenics-yeast/debian13-base
 scenes=$(mktemp --directory)
 container=
 export STORAGE_DRIVER=${STORAGE_DRIVER:-vfs} BUILDAH_ISOLATION=chroot  # for buildah
@@ -21,46 +21,67 @@ fail() { say "$1" >&2; exit 1; }
 now() { echo "${EPOCHREALTIME/[.,]/}"; }  # in µs
 since() { local past=$(($(now) - $1)); echo "$((past / 1000000)).$((past / 100000 % 10)) s"; }
 
-build() { "$engine" build --tag "$image" --file docker/Dockerfile .; }
+load_base() { tar --create --directory "$tree" . | "$engine" import - "$base" >/dev/null; }
+build() { "$engine" build --network host --build-arg BASE="$base" --tag "$image" --file docker/Dockerfile .; }
 run() { "$engine" run --rm --volume "$scenes:/scenes" "$image" "$@"; }
 size() { "$engine" images --format '{{.Size}}' "$image"; }
-
-# What debian:trixie-slim is: a minimal tree without documentation and translations.
-make_base() {
-    local tree=$cache/debian13-base folder new
-    if [ ! -d "$tree" ]; then
-        mkdir -p "$cache"
-        .ci/bootstrap "$tree"
-    fi
-    for folder in doc groff info lintian linda locale man; do
-        rm -rf "$tree/usr/share/$folder"
-        echo "path-exclude /usr/share/$folder/*"
-    done > "$tree/etc/dpkg/dpkg.cfg.d/slim"
-    new=$(buildah from scratch)
-    buildah copy --quiet "$new" "$tree" / >/dev/null
-    buildah run "$new" -- sh -c ': > /etc/apt/sources.list; rm -rf /var/lib/apt/lists/* /var/cache/apt/*.bin'
-    buildah commit --quiet --rm "$new" "$base" >/dev/null
-}
+compose() { return 127; }
 
 if docker info >/dev/null 2>&1; then
     engine=docker
-elif podman info >/dev/null 2>&1; then
+    if docker compose version >/dev/null 2>&1; then
+        compose() { docker compose "$@"; }
+    elif command -v docker-compose >/dev/null; then
+        compose() { docker-compose "$@"; }
+    fi
+elif command -v podman >/dev/null && podman info >/dev/null 2>&1; then
     engine=podman
-elif command -v buildah >/dev/null && [ "$(id -u)" -eq 0 ]; then
+    if command -v podman-compose >/dev/null; then
+        compose() { podman-compose "$@"; }
+    fi
+elif [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null; then
     engine=buildah
+    make --silent debian-packages PACKAGES=buildah
+    load_base() {
+        local new
+        new=$(buildah from scratch)
+        buildah copy --quiet "$new" "$tree" / >/dev/null
+        buildah commit --quiet --rm "$new" "$base" >/dev/null
+    }
     build() {
-        buildah inspect --type image "$base" >/dev/null 2>&1 || make_base
-        buildah bud --quiet --pull-never --network host --tag "$image" --file docker/Dockerfile \
-            --volume "$cache/debian13-base/etc/apt/sources.list:/etc/apt/sources.list:ro" .
+        buildah bud --pull-never --network host --build-arg BASE="$base" --tag "$image" \
+            --file docker/Dockerfile .
         container=$(buildah from --pull-never "$image")
     }
     run() { buildah run --network host --volume "$scenes:/scenes" "$container" -- entrypoint "$@"; }
 else
-    fail "neither docker nor podman answers; as root, run: apt-get install buildah debootstrap"
+    fail "neither docker nor podman answers; on Debian, root can build the image without them"
 fi
 
-began=$(now)
-build
+# What debian:trixie-slim is: a minimal tree without documentation and translations.
+make_base() {
+    local folder
+    if [ ! -d "$tree" ]; then
+        mkdir -p "$(dirname "$tree")"
+        .ci/bootstrap "$tree"
+        for folder in doc groff info lintian linda locale man; do
+            rm -rf "$tree/usr/share/$folder"
+            echo "path-exclude /usr/share/$folder/*"
+        done > "$tree/etc/dpkg/dpkg.cfg.d/slim"
+        rm -rf "$tree"/var/lib/apt/lists/* "$tree"/var/cache/apt/*.bin
+    fi
+    base=fenics-yeast-base
+    load_base
+}
+
+timeout 120 "$engine" pull "docker.io/library/$base" >/dev/null 2>&1 || {
+    say "no registry has $base for $engine: its base comes from debootstrap"
+    make_base
+}
+
+began=$(now) log=$(mktemp)
+build > "$log" 2>&1 || { tail -n 30 "$log" >&2; fail "the image cannot be built (all of it: $log)"; }
+rm -f "$log"
 say "built with $engine in $(since "$began"), $(size)"
 
 cp demos/scenes/bud.toml "$scenes"
@@ -70,8 +91,6 @@ for start in first second; do
     run run bud.toml
     say "$start run in $(since "$began")"
 done
-[ "$(stat -c %u:%g "$scenes/out/bud/history.csv")" = "$(stat -c %u:%g "$scenes")" ] ||
-    fail "the output is not the caller's"
 short=(bud.toml --quiet --set run.end=5 --set 'run.save=[5]')
 run run "${short[@]}" --out one
 run mpirun -n 2 fenics-yeast run "${short[@]}" --out two
@@ -81,5 +100,16 @@ one, two = ([float(row["volume_ratio"]) for row in csv.DictReader(open(f"{name}/
 assert len(one) > 20 and max(abs(a - b) for a, b in zip(one, two, strict=True)) < 1e-9
 '
 run python /opt/fenics-yeast/demos/fig4_bud.py
+
+values="growth.threshold=1 MPa,1.1 MPa" file=$PWD/docker/compose.yaml
+if (cd "$scenes" && RANKS=3 VARY=$values compose --file "$file" run --rm sweep); then
+    [ "$(grep --count finished "$scenes/out/bud-sweep/sweep.csv")" -eq 2 ] || fail "the sweep lacks a case"
+elif [ $? -eq 127 ]; then
+    say "compose was not tried: there is none for $engine"
+    run mpirun -n 3 fenics-yeast sweep bud.toml --vary "$values"
+else
+    fail "compose failed"
+fi
+[ -z "$(find "$scenes" ! -user "$(stat -c %u "$scenes")")" ] || fail "the output is not the caller's"
 run pytest "$@"
 say "passed"

@@ -165,11 +165,26 @@ def node_dofs(space: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
 
     The motion is the first sub-space of a mixed space, or the whole of another one.
     """
-    motion, parent = space.sub(0).collapse() if is_mixed(space) else (space, None)
+    motion, dofs = _part(space, 0)
     owned, size = motion.dofmap.index_map.size_local, motion.dofmap.index_map_bs
     S = motion.tabulate_dof_coordinates()[:owned, 0]
-    dofs = np.arange(owned * size) if parent is None else np.asarray(parent)[: owned * size]
-    return S, dofs.astype(np.int32).reshape(-1, size)
+    return S, dofs[: owned * size].reshape(-1, size)
+
+
+def _part(space: Any, i: int) -> tuple[Any, NDArray[np.int32]]:
+    """Sub-space as a space of its own, and where its local unknowns lie in the whole.
+
+    The only part of a space that is not mixed is the space itself.
+    """
+    if not is_mixed(space):
+        return space, np.arange(_local_size(space), dtype=np.int32)
+    part, places = space.sub(i).collapse()
+    return part, np.ravel(places).astype(np.int32)  # dolfinx 0.11 has a list of one array
+
+
+def _local_size(space: Any) -> int:
+    index_map = space.dofmap.index_map
+    return int(space.dofmap.index_map_bs * (index_map.size_local + index_map.num_ghosts))
 
 
 def is_mixed(space: Any) -> bool:
@@ -182,30 +197,26 @@ def unknown_places(space: Any) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
 
     Unknowns of the discontinuous second sub-space are placed inside of their cells.
     """
-    index_map, size = space.dofmap.index_map, space.dofmap.index_map_bs
-    components = np.zeros(size * (index_map.size_local + index_map.num_ghosts), dtype=np.int32)
+    components = np.zeros(_local_size(space), dtype=np.int32)
     places = np.zeros(len(components))
-    motion, parent = space.sub(0).collapse() if is_mixed(space) else (space, None)
-    dofs = np.arange(len(components)) if parent is None else np.asarray(parent)
+    motion, dofs = _part(space, 0)
     of_node = dofs.reshape(-1, motion.dofmap.index_map_bs)
     components[of_node] = np.arange(of_node.shape[1])
     places[of_node] = motion.tabulate_dof_coordinates()[:, :1]
     if not is_mixed(space):
         return components, places
-    shear, parent = space.sub(1).collapse()
+    shear, dofs = _part(space, 1)
     of_cell = dof_array(shear)
     S = shear.tabulate_dof_coordinates()[:, 0][of_cell]
     middle = space.mesh.geometry.x[cell_vertices(space.mesh), 0].mean(axis=1, keepdims=True)
-    of_cell = np.asarray(parent)[of_cell]
+    of_cell = dofs[of_cell]
     components[of_cell], places[of_cell] = 3, (S + middle) / 2
     return components, places
 
 
 def size_of_second(space: Any) -> int:
     """Number of degrees of freedom of the second sub-space on all ranks; 0 where not mixed."""
-    if not is_mixed(space):
-        return 0
-    return size_of(space.sub(1).collapse()[0])
+    return size_of(_part(space, 1)[0]) if is_mixed(space) else 0
 
 
 def size_of(space: Any) -> int:
