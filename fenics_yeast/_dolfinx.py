@@ -13,6 +13,9 @@ from typing import Any, TypeVar
 import numpy as np
 import ufl
 from numpy.typing import NDArray
+from ufl.corealg.map_dag import map_expr_dag
+from ufl.corealg.multifunction import MultiFunction
+from ufl.variable import Label
 
 with contextlib.suppress(ImportError):  # the wheel from PyPI, whose libraries it has to find first
     import dolfinx_solver  # noqa: F401
@@ -284,8 +287,29 @@ def compile_form(form: Any) -> Any:
     return _compiled(comm, form, lambda **jit: fem.form(form, **jit))
 
 
+class _NumberedLabels(MultiFunction):
+    """Numbers the labels of variables as they are met.
+
+    Newer releases of UFL count them over the process, and have the count in an expression's
+    signature: nothing would be found in the cache.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._numbered: dict[Any, Any] = {}
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def terminal(self, o: Any) -> Any:
+        return o
+
+    def label(self, o: Any) -> Any:
+        return self._numbered.setdefault(o, Label(len(self._numbered)))
+
+
 def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
     """Compiled expression at points of the reference interval."""
+    expression = map_expr_dag(_NumberedLabels(), expression)
     comm = expression.ufl_domain().ufl_cargo().comm
     make = fem.Expression
     return _compiled(comm, (expression, points), lambda **jit: make(expression, points, **jit))

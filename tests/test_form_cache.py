@@ -67,6 +67,32 @@ def test_processes_that_compile_at_once_share_the_work(tmp_path: Path) -> None:
     assert not list(tmp_path.glob("fenics-yeast/*/*.failed"))
 
 
+GROWTH = """
+import ufl
+from fenics_yeast import Scene, simulate
+scene = Scene.from_toml('''
+cell = { shape = "sphere", diameter = 5 }
+wall = { thickness = 0.1, shear_modulus = 40, bending = false }
+turgor = { pressure = 0.2 }
+growth = { zone = { pole = "top", half_angle = 24 }, threshold = 1, time = 45 }
+run = { end = 0.1 }
+numerics = { order = 1 }
+''')
+for _ in range(2):
+    simulate(scene)
+    ufl.variable(ufl.as_ufl(1.0))  # which UFL counts
+"""
+
+
+def test_a_growing_wall_finds_what_another_compiled(tmp_path: Path) -> None:
+    """In the same process and in the next one."""
+    compiled = []
+    for code in (GROWTH.replace("range(2)", "range(1)"), GROWTH):
+        assert start(tmp_path, code).communicate() == ("", "")
+        compiled.append(sorted(tmp_path.glob("fenics-yeast/*/*.so")))
+    assert len(compiled[0]) > 5 and compiled[0] == compiled[1]
+
+
 def test_ranks_compile_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mpirun: Callable[[str, int], Path]
 ) -> None:
