@@ -133,8 +133,10 @@ debian-packages:
 	    command -v sudo >/dev/null || fail "Debian packages are missing, and there is no sudo"; fi; \
 	echo "Installing from Debian: $(PACKAGES), and what they need (minutes)"; \
 	log=$$(mktemp); apt="$$root env DEBIAN_FRONTEND=noninteractive apt-get --quiet --option DPkg::Lock::Timeout=300"; \
-	{ $$apt update || true; $$apt install --yes --no-install-recommends $(PACKAGES); } > "$$log" 2>&1 || \
-	    { tail -n 5 "$$log" >&2; fail "the Debian packages could not be installed (all of apt's words: $$log)"; }; \
+	{ $$apt --error-on=any update || apt="$$apt --option Acquire::Retries=0"; \
+	    $$apt install --yes --no-install-recommends $(PACKAGES); } > "$$log" 2>&1 || \
+	    { tail -n 5 "$$log" >&2; \
+	    fail "the Debian packages could not be installed; is there a network? (all of apt's words: $$log)"; }; \
 	rm -f "$$log"
 
 .PHONY: FORCE

@@ -86,6 +86,8 @@ say "built with $engine in $(since "$began"), $(size)"
 
 cp demos/scenes/bud.toml "$scenes"
 [ "$(id -u)" -ne 0 ] || chown -R 12345:12345 "$scenes"  # the caller's, who need not be root
+run new mine.toml
+run run mine.toml --quiet
 for start in first second; do
     began=$(now)
     run run bud.toml
