@@ -75,7 +75,7 @@ class Solid:
         )
         x = mesh.geometry.x
         x[:, 0], x[:, 1] = stops[np.rint(x[:, 0]).astype(int)], x[:, 1] * h / 2
-        mesh.topology.create_connectivity(0, 2)  # by which dolfinx 0.9 finds the unknowns of a vertex
+        mesh.topology.create_connectivity(0, 2)  # dolfinx 0.9 does not by itself
         self.mesh, self.h, self.length = mesh, h, float(stops[-1])
         self.space = function_space(mesh, incompressible)
         self.motion = self.space.sub(0) if incompressible else self.space
