@@ -6,6 +6,7 @@ Start-up is kept short: what only a run or a figure needs is imported where it i
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 from shlex import quote
 from time import perf_counter
@@ -307,4 +308,6 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
 
 def main() -> None:
     """Run the command."""
+    with suppress(RuntimeError):  # an unknown user; services know no HOME, and Open MPI 5 wants one
+        os.environ.setdefault("HOME", str(Path.home()))
     app()

@@ -17,7 +17,7 @@ import pytest
 from command import call
 from typer.testing import Result
 
-from fenics_yeast import Scene, simulation
+from fenics_yeast import Scene, _form_cache, simulation
 from fenics_yeast.output import load_history, load_profiles, load_status
 from fenics_yeast.record import History, Profiles, Timings
 from fenics_yeast.record import Result as RunResult
@@ -281,6 +281,18 @@ def test_quick_commands_load_nothing_heavy(
 
 
 # Runs that end early --------------------------------------------------------------------------
+
+
+def test_a_service_has_no_home_in_its_environment(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without one Open MPI 5 aborts."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(_form_cache.folder().parent.parent))
+    monkeypatch.delenv("HOME")
+    command = [*COMMAND, "run", "small.toml", "--quiet"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert load_status(here / "out" / "small") is not None
 
 
 def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
