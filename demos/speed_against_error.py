@@ -18,7 +18,6 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 
-import dolfinx
 import numpy as np
 from benchmarks.floor import native
 from matplotlib.axes import Axes
@@ -231,6 +230,8 @@ def draw_lines(axes: Axes, rows: list[Measured]) -> None:
 
 def machine() -> str:
     """What the times were measured on."""
+    import dolfinx  # found by the package, wherever it comes from
+
     lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
     models = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
     cpu = models[0] if models else platform.processor()

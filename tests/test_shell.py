@@ -58,7 +58,7 @@ def potential(shell, w: np.ndarray, eps_g: np.ndarray) -> complex:
     L, middle = np.diff(S), (S[1:] + S[:-1]) / 2
     shear, parent = shell.space.sub(1).collapse()
     place = shear.tabulate_dof_coordinates()[:, 0]
-    Q = w[np.asarray(parent)[np.argsort(place)]]
+    Q = w[np.ravel(parent)[np.argsort(place)]]
     curve = shell.discretisation.curve
     R, Phi, Phi_S = curve.radius(middle), curve.angle(middle), curve.curvature(middle)
     mean = (w[motion[1:]] + w[motion[:-1]]) / 2

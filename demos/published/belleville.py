@@ -22,11 +22,11 @@ from __future__ import annotations
 import numpy as np
 import ufl
 from benchmark import Row, picture, show
-from dolfinx import fem
 from numpy.typing import NDArray
 from solid import Solid
 
 from fenics_yeast import Scene, simulate
+from fenics_yeast._dolfinx import fem
 from fenics_yeast.record import History
 
 Array = NDArray[np.float64]

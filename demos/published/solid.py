@@ -11,13 +11,10 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-import dolfinx
 import numpy as np
 import ufl
-from dolfinx import fem
-from dolfinx.fem.petsc import NonlinearProblem
-from dolfinx.nls.petsc import NewtonSolver
-from mpi4py import MPI
+
+from fenics_yeast._dolfinx import MPI, PETSc, dolfinx, fem  # found wherever they come from
 
 logging.getLogger().setLevel(logging.WARNING)  # compiling is told as INFO
 
@@ -25,6 +22,9 @@ try:
     import basix.ufl as elements
 except ImportError:  # dolfinx 0.5
     elements = None
+
+_MOST_ITERATIONS = 25
+_REDUCTION, _LEAST = 1e-9, 1e-11  # of the residual's norm
 
 Meridian = Callable[[Any], tuple[Any, Any, Any]]  # R, Z, Φ of S in UFL
 
@@ -130,16 +130,32 @@ class Solid:
         value = value if isinstance(value, fem.Constant) else fem.Constant(self.mesh, float(value))
         return fem.dirichletbc(value, dofs, self.motion.sub(component))
 
-    def solver(self, conditions: list[Any]) -> Callable[[], int]:
-        """Newton's method; gives the number of iterations."""
-        problem = NonlinearProblem(self.residual, self.w, bcs=conditions)
-        newton = NewtonSolver(MPI.COMM_SELF, problem)
-        newton.rtol, newton.atol, newton.max_it = 1e-9, 1e-11, 25
-        newton.convergence_criterion = "residual"
-        newton.krylov_solver.setType("preonly")
-        newton.krylov_solver.getPC().setType("lu")
-        newton.krylov_solver.getPC().setFactorSolverType("mumps")
-        return lambda: newton.solve(self.w)[0]
+    def solver(self, conditions: list[Any]) -> Callable[[], None]:
+        """Newton's method from the state of the last call."""
+        tangent = fem.form(ufl.derivative(self.residual, self.w))
+        w = PETSc.Vec().createWithArray(self.w.x.array, comm=MPI.COMM_SELF)
+        change, direct = w.duplicate(), PETSc.KSP().create(MPI.COMM_SELF)
+        direct.setType("preonly")
+        direct.getPC().setType("lu")
+        direct.getPC().setFactorSolverType("mumps")
+
+        def solve() -> None:
+            norms: list[float] = []
+            for _ in range(_MOST_ITERATIONS):
+                b = fem.petsc.assemble_vector(self.form)
+                fem.petsc.apply_lifting(b, [tangent], [conditions], [w], -1.0)
+                fem.petsc.set_bc(b, conditions, w, -1.0)
+                norms.append(b.norm())
+                if norms[-1] <= max(_LEAST, _REDUCTION * norms[0]):
+                    return
+                matrix = fem.petsc.assemble_matrix(tangent, conditions)
+                matrix.assemble()
+                direct.setOperators(matrix)
+                direct.solve(b, change)
+                w.axpy(-1.0, change)
+            raise RuntimeError(f"{_MOST_ITERATIONS} iterations of Newton's method do not converge")
+
+        return solve
 
     def middle_volume(self) -> float:
         """Volume below the mid-surface, µm³; the number of layers is even."""
