@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import call
 from conftest import RANKS
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from fenics_yeast import Scene, _dolfinx, job, keeper, restart, simulate
 from fenics_yeast.checkpoint import FORMAT, Checkpoint, CheckpointError, Start
-from fenics_yeast.cli import app
 from fenics_yeast.evolution import Memory
 from fenics_yeast.layout import Layout
 from fenics_yeast.march import March
@@ -261,8 +261,8 @@ def test_a_checkpoint_is_that_of_any_number_of_ranks(here: Path) -> None:
 # --- the command --------------------------------------------------------------------------
 
 
-def call(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["run", "small.toml", *arguments])
+def run(*arguments: str) -> Result:
+    return call("run", "small.toml", *arguments)
 
 
 def refused(result: Result, *words: str) -> None:
@@ -274,13 +274,13 @@ def refused(result: Result, *words: str) -> None:
 
 @pytest.fixture
 def finished(here: Path) -> Path:
-    assert call("--quiet").exit_code == 0
+    assert run("--quiet").exit_code == 0
     return here / "out" / "small"
 
 
 def test_a_finished_run_says_so_and_stays_as_it_is(finished: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in finished.rglob("*")}
-    result = call("--resume")
+    result = run("--resume")
     assert result.exit_code == 0 and result.stderr == ""
     assert "out/small: ended before: reached 20 min" in result.stdout
     assert {path: path.stat().st_mtime_ns for path in finished.rglob("*")} == before
@@ -288,14 +288,14 @@ def test_a_finished_run_says_so_and_stays_as_it_is(finished: Path) -> None:
 
 def test_a_lost_equilibrium_says_so_with_its_exit_status(here: Path) -> None:
     soft = ("--set", "growth.threshold=0.9", "--set", "run.end=100", "--set", "run.save=[40]")
-    first = call("--quiet", *soft)
-    again = call("--quiet", "--resume", *soft)
+    first = run("--quiet", *soft)
+    again = run("--quiet", "--resume", *soft)
     assert (first.exit_code, again.exit_code) == (3, 3)
     assert again.stderr == first.stderr and "no equilibrium" in again.stderr
 
 
 def test_without_a_checkpoint_a_run_starts_from_the_beginning(here: Path) -> None:
-    result = call("--resume")
+    result = run("--resume")
     assert result.exit_code == 0
     assert result.stdout.startswith("out/small: no checkpoint to go on from; the run starts from")
     assert load_status(here / "out" / "small") == "finished"
@@ -305,13 +305,13 @@ def test_a_path_starts_from_the_beginning(here: Path) -> None:
     text = SMALL[: SMALL.index("[growth]")]
     (here / "small.toml").write_text(text + "[path]\nuntil = { volume_ratio = 1.1 }\nsteps = 4\n")
     for word in ("a path is not taken up half-way", "ended before: reached 0.538"):
-        result = call("--resume")
+        result = run("--resume")
         assert result.exit_code == 0 and word in result.stdout
 
 
 def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
     earlier = load_result(finished)
-    result = call("--resume", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
+    result = run("--resume", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
     assert result.exit_code == 0, result.output
     assert "goes on from 20 min" in result.stdout
     later = load_result(finished)
@@ -321,7 +321,7 @@ def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
     for name in ("loop_s", "total_s", "import_s"):
         assert getattr(later.timings, name) > getattr(earlier.timings, name)
     # And is the run to the later end, of which 20 min is a saved time.
-    call("--quiet", "--out", "anew", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
+    run("--quiet", "--out", "anew", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
     same(later, load_result(finished.parent.parent / "anew"))
 
 
@@ -338,13 +338,13 @@ def test_what_the_folder_does_not_hold_is_refused(
     finished: Path, changes: list[str], words: list[str]
 ) -> None:
     before = {path: path.read_bytes() for path in finished.glob("*.*")}
-    refused(call("--resume", *(f"--set={change}" for change in changes)), *words)
+    refused(run("--resume", *(f"--set={change}" for change in changes)), *words)
     assert {path: path.read_bytes() for path in finished.glob("*.*")} == before
 
 
 def test_a_title_makes_no_other_scene(finished: Path) -> None:
     (finished.parent.parent / "small.toml").write_text('title = "Mine"\n' + SMALL)
-    assert call("--resume", "--quiet").exit_code == 0
+    assert run("--resume", "--quiet").exit_code == 0
 
 
 def test_a_damaged_checkpoint_is_refused(finished: Path) -> None:
@@ -353,7 +353,7 @@ def test_a_damaged_checkpoint_is_refused(finished: Path) -> None:
     source = random.Random(2)
     for length in (0, 1, 100, len(whole) // 2, len(whole) - 1):
         path.write_bytes(whole[:length])
-        refused(call("--resume"), "checkpoint.npz: is damaged")
+        refused(run("--resume"), "checkpoint.npz: is damaged")
     harmful = 0
     for _ in range(40):  # a bit here or there: told, or of no matter
         at = source.randrange(len(whole))
@@ -373,14 +373,14 @@ def test_a_checkpoint_of_another_format_is_refused(
     finished: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fenics_yeast.checkpoint.FORMAT", FORMAT + 1)
-    refused(call("--resume"), f"has format {FORMAT}, and this version reads format {FORMAT + 1}")
+    refused(run("--resume"), f"has format {FORMAT}, and this version reads format {FORMAT + 1}")
 
 
 def test_a_history_that_was_cut_behind_its_checkpoint_is_refused(finished: Path) -> None:
     lines = (finished / "history.csv").read_text().splitlines(keepends=True)
     (finished / "history.csv").write_text("".join(lines[:5]))
     (finished / "run.json").unlink()
-    refused(call("--resume"), "has lost row")
+    refused(run("--resume"), "has lost row")
 
 
 def test_a_new_run_forgets_the_checkpoint_of_the_old_one(
@@ -391,7 +391,7 @@ def test_a_new_run_forgets_the_checkpoint_of_the_old_one(
         yield
 
     monkeypatch.setattr(March, "go", breaks)
-    assert call("--quiet").exit_code == 130
+    assert run("--quiet").exit_code == 130
     assert not (finished / "checkpoint.npz").exists()
 
 
@@ -410,10 +410,10 @@ def test_an_interrupted_run_goes_on(here: Path) -> None:
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(job, "_All", lambda observers, stop=Stop: _Both(observers, stop()))
-            assert call("--quiet", *(["--resume"] if at > 3 else [])).exit_code == 130
+            assert run("--quiet", *(["--resume"] if at > 3 else [])).exit_code == 130
         assert load_status(folder) == "interrupted"
         assert load_result(folder).profiles.all[-1].time == load_history(folder).time_min[-1]
-    assert call("--quiet", "--resume").exit_code == 0
+    assert run("--quiet", "--resume").exit_code == 0
     same(load_result(folder), whole)
 
 
@@ -445,4 +445,4 @@ def test_a_checkpoint_of_another_mesh_is_refused(
     memory = replace(read.evolution, w=read.evolution.w[:-3])
     (finished / "checkpoint.npz").write_bytes(replace(read, evolution=memory).to_bytes())
     (finished / "run.json").unlink()
-    refused(call("--resume"), "another mesh")
+    refused(run("--resume"), "another mesh")
