@@ -70,8 +70,8 @@ package: .venv/.installed-dev  ## sdist and wheel in dist/, each tried in a clea
 
 .PHONY: coverage
 coverage: .venv/.installed-dev  ## all tests, and the lines that they do not reach
-	@$(MAKE) --no-print-directory test MEASURED="-m coverage run"
-	@$(PYTHON) -m coverage report --skip-covered --show-missing
+	@status=0; $(MAKE) --no-print-directory test MEASURED="-m coverage run" || status=$$?; \
+	$(PYTHON) -m coverage report --skip-covered --show-missing; exit $$status
 
 .PHONY: lint
 lint: .venv/.installed-dev  ## style, format and types
@@ -99,7 +99,7 @@ setup: .venv/.installed  ## Debian packages and .venv, when they are missing or 
 	@$(SYSTEM_PYTHON) -m venv --system-site-packages .venv
 	@# Nor may one in ~/.local take its place, when the command is called without make.
 	@echo 'import site; site.ENABLE_USER_SITE = False' \
-	    > $$(echo .venv/lib/python3.*/site-packages)/no_user_site.pth
+	    > "$$($(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/no_user_site.pth"
 	@# petsc4py and dolfinx are built for Debian's NumPy: pip must not bring another one.
 	@$(SYSTEM_PYTHON) -c 'import numpy; print(f"numpy=={numpy.__version__}")' > .venv/constraints.txt
 	@$(call pip-install,.)

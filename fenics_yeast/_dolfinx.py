@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import logging
 from collections.abc import Callable, Iterator, Sequence
+from inspect import signature
 from typing import Any, TypeVar
 
 import numpy as np
@@ -75,10 +76,12 @@ __all__ = [
 
 _ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
 _NEW_SPACES = hasattr(fem, "functionspace")
+_NEW_JIT = "jit_options" in signature(fem.form).parameters
+_EVAL_ON_MESH = "mesh" in signature(fem.Expression.eval).parameters
 _JIT = {"cffi_extra_compile_args": ["-O2", "-fno-math-errno"], "cffi_libraries": ["m"]}
-_JIT_KEYWORD = "jit_options" if _NEW_SPACES else "jit_params"
+_JIT_KEYWORD = "jit_options" if _NEW_JIT else "jit_params"
 # What fem.form adds to the options, which are part of a form's name in the cache.
-_SCALAR = {"scalar_type": dolfinx.default_scalar_type} if _NEW_SPACES else {}
+_SCALAR = {"scalar_type": dolfinx.default_scalar_type} if _NEW_JIT else {}
 _COMPILERS = ("cffi", "distutils", "setuptools")  # whose errors are no errors of a form
 
 T = TypeVar("T")
@@ -317,7 +320,7 @@ def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
 
 def evaluate(expression: Any, mesh: Any, cells: NDArray[np.int32]) -> NDArray[np.float64]:
     """Values of a compiled expression, point after point, shape ``(len(cells), points size)``."""
-    values = np.asarray(expression.eval(mesh, cells) if _NEW_SPACES else expression.eval(cells))
+    values = np.asarray(expression.eval(*([mesh] if _EVAL_ON_MESH else []), cells))
     return values.reshape(len(cells), np.prod(values.shape[1:], dtype=int))  # also of no cells
 
 

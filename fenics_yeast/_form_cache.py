@@ -41,7 +41,6 @@ def folder() -> Path:
         problem = getattr(error, "strerror", None) or str(error)
     place = Path(tempfile.mkdtemp(prefix="fenics-yeast-forms-"))
     atexit.register(shutil.rmtree, place, ignore_errors=True)
-    os.environ.setdefault("MPLCONFIGDIR", str(place))  # else matplotlib says the same at length
     print(
         "warning: compiled forms are kept for this run only, since the cache folder cannot be "
         f"used ({problem}); XDG_CACHE_HOME may name another",

@@ -5,8 +5,8 @@ Start-up is kept short: what only a run or a figure needs is imported where it i
 
 from __future__ import annotations
 
+import logging
 import os
-from contextlib import suppress
 from pathlib import Path
 from shlex import quote
 from time import perf_counter
@@ -306,8 +306,19 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
     return ProgressLine(scene) if on_terminal() else Lines()
 
 
+def _home() -> str:
+    from tempfile import gettempdir
+
+    try:
+        return str(Path.home())
+    except RuntimeError:  # an unknown user
+        return gettempdir()
+
+
 def main() -> None:
     """Run the command."""
-    with suppress(RuntimeError):  # an unknown user; services know no HOME, and Open MPI 5 wants one
-        os.environ.setdefault("HOME", str(Path.home()))
+    if "HOME" not in os.environ:  # as in a service; Open MPI 5 wants one
+        os.environ["HOME"] = _home()
+    # It tells at length that a home is read-only, and that it looks for fonts.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     app()

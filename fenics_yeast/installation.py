@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -32,6 +33,7 @@ print(json.dumps({
 }))
 """
 _PATIENCE = 300  # seconds for the trial
+_NAME = re.compile(r"[\w.-]+")  # of a library, before its version
 
 
 @dataclass(frozen=True)
@@ -57,14 +59,32 @@ def examine() -> Iterator[Finding]:
 
     yield Finding("fenics-yeast", f"{version('fenics-yeast')} in {Path(__file__).parent}")
     yield Finding("Python", f"{platform.python_version()}, {sys.executable}")
-    libraries = ("numpy", "scipy", "pydantic", "matplotlib", "meshio")
-    yield Finding("libraries", ", ".join(f"{name} {version(name)}" for name in libraries))
+    yield _libraries()
     yield _cache()
     yield from _trial()
     mpirun = shutil.which("mpirun")
     yield Finding("mpirun", mpirun or "not found; runs on one core and sweeps need none")
     ffmpeg = shutil.which("ffmpeg")
     yield Finding("ffmpeg", ffmpeg or "not found; films are GIF alone")
+
+
+def _libraries() -> Finding:
+    """What pip has to bring, by the package's own list."""
+    from importlib.metadata import PackageNotFoundError, requires, version
+
+    found, missing = [], []
+    for line in requires("fenics-yeast") or []:
+        name = _NAME.match(line)
+        if name is None or "extra ==" in line:
+            continue
+        try:
+            found.append(f"{name[0]} {version(name[0])}")
+        except PackageNotFoundError:
+            missing.append(name[0])
+    if missing:
+        names = " ".join(missing)
+        return Finding("libraries", f"missing: {names}; run: pip install {names}", works=False)
+    return Finding("libraries", ", ".join(found))
 
 
 def _cache() -> Finding:

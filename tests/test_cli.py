@@ -295,6 +295,18 @@ def test_a_service_has_no_home_in_its_environment(
     assert load_status(here / "out" / "small") is not None
 
 
+def test_a_home_that_cannot_be_written_is_no_matter(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the cache is elsewhere: matplotlib would tell of it at length."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(_form_cache.folder().parent.parent))
+    monkeypatch.setenv("HOME", "/proc/nowhere")
+    monkeypatch.delenv("MPLCONFIGDIR", raising=False)
+    for arguments in (("run", "small.toml", "--quiet"), ("plot", "out/small")):
+        done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, timeout=60)
+        assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
     late = ("--set", "run.end=100", "--set", "run.save=[40]", "--set", "growth.threshold=0.9")
     result = call("run", "small.toml", *late)

@@ -3,12 +3,13 @@
 import os
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 from command import call
 
-from fenics_yeast import Scene, simulate
+from fenics_yeast import Scene, installation, simulate
 from fenics_yeast._completion import assignments
 from fenics_yeast._time_left import TimeLeft, duration
 from fenics_yeast.example import EXAMPLE
@@ -74,6 +75,17 @@ def test_info_says_what_is_missing_and_what_to_do(
     (line,) = [line for line in done.stdout.splitlines() if "error: " in line]
     assert line.startswith("dolfinx") and advice in line
     assert "works." not in done.stdout
+
+
+def test_info_names_the_libraries_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def version(name: str) -> str:
+        if name in ("meshio", "pint"):
+            raise metadata.PackageNotFoundError(name)
+        return "1.0"
+
+    monkeypatch.setattr(metadata, "version", version)
+    finding = installation._libraries()
+    assert not finding.works and finding.text.endswith("run: pip install meshio pint")
 
 
 def test_keys_and_choices_are_completed() -> None:

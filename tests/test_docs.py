@@ -57,6 +57,12 @@ def test_commands_in_their_order(checkout: Path) -> None:
         run([sys.executable, "-c", code, *arguments], checkout)
 
 
+def test_no_command_goes_without_its_folder() -> None:
+    """Else nobody could type it, and nothing here would run it."""
+    for path in DOCUMENTS:
+        assert not re.search(r"^    (fenics-yeast|python) ", path.read_text(), re.M), path
+
+
 def is_scene(block: str) -> bool:
     return {"cell", "wall"} <= tomllib.loads(block).keys()
 
