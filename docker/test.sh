@@ -97,6 +97,11 @@ for start in "$start" "run after that"; do
     run run bud.toml
     say "$start: $(since "$began")"
 done
+run python -c '
+import json
+seconds = json.load(open("out/bud/run.json"))["timings"]["compile_s"]
+assert seconds < 3, f"forms were compiled at run time, {seconds} s"
+'
 run new mine.toml
 run run mine.toml --quiet
 short=(bud.toml --quiet --set run.end=5 --set 'run.save=[5]')
