@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from . import plots, sweep_plots
-from .output import load_error_bars, load_history, load_profiles, load_scene, load_status
+from .reading import load_error_bars, load_history, load_profiles, load_scene, load_status
 from .surface import write_surfaces
 from .sweep_table import TABLE
 

@@ -1,4 +1,4 @@
-"""The output folder of a run: written as the run goes, read back for figures."""
+"""The output folder of a run, written as the run goes."""
 
 from __future__ import annotations
 
@@ -12,18 +12,17 @@ from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, NamedTuple, Self
-from zipfile import BadZipFile
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from .record import COLUMNS, ErrorBars, History, Profile, Profiles, Result, Row, Status, Timings
+from .record import COLUMNS, ErrorBars, Profile, Profiles, Result, Row, Timings
 from .scene import Scene
 
 if TYPE_CHECKING:
     from .checkpoint import Checkpoint, Start
 
-_SCENE, _HISTORY, _PROFILES, _RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
+SCENE, HISTORY, PROFILES, RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
 CHECKPOINT = "checkpoint.npz"
 # Within the folder, made of the others by other modules.
 SHAPES, VOLUME, MERIDIAN = (f"figures/{name}.png" for name in ("shapes", "volume", "meridian"))
@@ -200,37 +199,37 @@ class OutputFolder:
         if result.error_bars is not None:
             summary["error_bars"] = _error_bars(result.error_bars)
         with writing(self.path):
-            self._replace(_RUN, (json.dumps(summary, indent=2) + "\n").encode())
+            self._replace(RUN, (json.dumps(summary, indent=2) + "\n").encode())
         self.complete = True
 
     def _claim(self) -> None:
         """Make the folder, or clear it of what an earlier run would go on from."""
-        ours = [self.path / name for name in (_SCENE, _HISTORY, _PROFILES, _RUN)]
+        ours = [self.path / name for name in (SCENE, HISTORY, PROFILES, RUN)]
         found = [file.name for file in ours if file.exists()]
-        if found and (_SCENE not in found or len(found) == 1):
+        if found and (SCENE not in found or len(found) == 1):
             raise OutputError(
                 f"{self.path}: holds a {found[0]} that no run has left; choose another folder"
             )
         self.path.mkdir(parents=True, exist_ok=True)
-        for name in (CHECKPOINT, _PROFILES):  # the checkpoint first: it needs the others
+        for name in (CHECKPOINT, PROFILES):  # the checkpoint first: it needs the others
             (self.path / name).unlink(missing_ok=True)
 
     def _clear(self) -> None:
         """Remove what tells of the end of an earlier run."""
-        for name in (_RUN, *FIGURES, SERIES):
+        for name in (RUN, *FIGURES, SERIES):
             (self.path / name).unlink(missing_ok=True)
         for surface in (self.path / SURFACES).glob("*.vtu"):
             surface.unlink()
 
     def _begin(self) -> None:
         """Write the scene, and the history as far as it is known."""
-        self._replace(_SCENE, self._scene.to_toml().encode())
+        self._replace(SCENE, self._scene.to_toml().encode())
         self._write_history(self._rows)
-        self._history = open(self.path / _HISTORY, "ab", buffering=0)  # noqa: SIM115
+        self._history = open(self.path / HISTORY, "ab", buffering=0)  # noqa: SIM115
 
     def _present(self) -> None:
         """Make the folder again if it has been removed."""
-        if (self.path / _HISTORY).exists():
+        if (self.path / HISTORY).exists():
             return
         with writing(self.path):
             self._history.close()
@@ -252,13 +251,13 @@ class OutputFolder:
 
     def _write_history(self, rows: Iterable[Row]) -> None:
         lines = [_HEADER, *map(_line, rows)]
-        self._replace(_HISTORY, "".join(line + "\n" for line in lines).encode())
+        self._replace(HISTORY, "".join(line + "\n" for line in lines).encode())
 
     def _write_profiles(self) -> None:
         content = BytesIO()
         np.savez(content, **Profiles(tuple(self._kept)).arrays())
         with writing(self.path):
-            self._replace(_PROFILES, content.getvalue())
+            self._replace(PROFILES, content.getvalue())
         self._profiles_written = len(self._kept)
 
     def _replace(self, name: str, content: bytes) -> None:
@@ -268,10 +267,11 @@ class OutputFolder:
 
 def _line(row: Row) -> str:
     """Values of a row as Python's own numbers, which print with all their digits."""
-    return ",".join(repr(_number(name)(getattr(row, name))) for name in COLUMNS)
+    return ",".join(repr(column_type(name)(getattr(row, name))) for name in COLUMNS)
 
 
-def _number(column: str) -> type[float] | type[int]:
+def column_type(column: str) -> type[float] | type[int]:
+    """What the numbers of a column of the history are."""
     return int if column in ("newton_iterations", "stable") else float
 
 
@@ -297,170 +297,3 @@ def _versions() -> dict[str, str]:
         "python": platform.python_version(),
         "numpy": np.__version__,
     }
-
-
-# Reading --------------------------------------------------------------------------------------
-
-
-def load_scene(directory: Path) -> Scene:
-    """Scene of a run.
-
-    Raises
-    ------
-    OutputError
-        If there is none.
-    SceneError
-        If it cannot be read.
-    """
-    if not (directory / _SCENE).is_file():
-        raise OutputError(f"{directory}: holds no {_SCENE}; the output of a run is wanted")
-    return Scene.load(directory / _SCENE)
-
-
-def load_history(directory: Path) -> History:
-    """History of a run, finished or still going; a line cut at the end is left out.
-
-    Raises
-    ------
-    OutputError
-        If there is none, or it cannot be read.
-    """
-    path = directory / _HISTORY
-    try:
-        lines = path.read_text(encoding="utf-8").split("\n")[:-1]
-    except (OSError, UnicodeDecodeError):
-        raise OutputError(
-            f"{directory}: holds no {_HISTORY}; the output of a run is wanted"
-        ) from None
-    columns = lines[0].split(",") if lines else []
-    if missing := [name for name in COLUMNS if name not in columns]:
-        raise OutputError(f"{path}: has no column {missing[0]}; run the scene again")
-    rows = []
-    for number, line in enumerate(lines[1:], start=2):
-        try:
-            values = dict(zip(columns, line.split(","), strict=True))
-            numbers = {name: _number(name)(values[name]) for name in COLUMNS}
-            rows.append(Row(**numbers | {"stable": bool(numbers["stable"])}))  # type: ignore[arg-type]
-        except ValueError:
-            raise OutputError(f"{path}: line {number} is damaged; run the scene again") from None
-    return History(rows)
-
-
-def load_profiles(directory: Path) -> Profiles:
-    """Profiles of a run; none where nothing has been saved yet.
-
-    Raises
-    ------
-    OutputError
-        If they cannot be read.
-    """
-    path = directory / _PROFILES
-    try:
-        with np.load(path) as file:
-            arrays = dict(file)
-        if not len(arrays["time_min"]):
-            return Profiles(())
-        fixed = {name: arrays[name] for name in ("S", "S_points", "xi")}
-        moving = ("r", "z", "psi", "strain", "stress", "growth_strain")
-        return Profiles(
-            tuple(
-                Profile(time=float(time), **fixed, **{name: arrays[name][i] for name in moving})
-                for i, time in enumerate(arrays["time_min"])
-            )
-        )
-    except FileNotFoundError:
-        return Profiles(())
-    except (OSError, ValueError, KeyError, BadZipFile, EOFError):
-        raise OutputError(f"{path}: is damaged; run the scene again") from None
-
-
-class Ending(NamedTuple):
-    """How a run ended: status, that in a sentence, and the seconds that all of it took."""
-
-    status: Status
-    message: str
-    total_s: float
-
-
-def load_status(directory: Path) -> Status | None:
-    """How a run ended, in a word; None while it is going.
-
-    Raises
-    ------
-    OutputError
-        If that cannot be read.
-    """
-    ending = load_ending(directory)
-    return None if ending is None else ending.status
-
-
-def load_ending(directory: Path) -> Ending | None:
-    """How a run ended; None while it is going.
-
-    Raises
-    ------
-    OutputError
-        If that cannot be read.
-    """
-    path = directory / _RUN
-    try:
-        summary = json.loads(path.read_bytes())
-        seconds = float(summary["timings"]["total_s"])
-        return Ending(summary["status"], summary["message"], seconds)
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError, KeyError, TypeError):
-        raise OutputError(f"{path}: is damaged; run the scene again") from None
-
-
-def load_result(directory: Path) -> Result:
-    """Result of a run that has ended.
-
-    Raises
-    ------
-    OutputError
-        If it has not, or if it cannot be read.
-    """
-    path = directory / _RUN
-    try:
-        summary = json.loads(path.read_bytes())
-        return Result(
-            history=load_history(directory),
-            profiles=load_profiles(directory),
-            status=summary["status"],
-            message=summary["message"],
-            end_time=summary["end_time_min"],
-            dofs=summary["dofs"],
-            steps=summary["steps"],
-            rejected_steps=summary["rejected_steps"],
-            newton_iterations=summary["newton_iterations"],
-            timings=Timings(**summary["timings"]),
-            error_bars=load_error_bars(directory),
-        )
-    except FileNotFoundError:
-        raise OutputError(f"{directory}: holds no {_RUN}; the run has not ended") from None
-    except (OSError, ValueError, KeyError, TypeError):
-        raise OutputError(f"{path}: is damaged; run the scene again") from None
-
-
-def load_error_bars(directory: Path) -> ErrorBars | None:
-    """Error bars of a run; None where it has none.
-
-    Raises
-    ------
-    OutputError
-        If they cannot be read.
-    """
-    path = directory / _RUN
-    try:
-        found = json.loads(path.read_bytes()).get("error_bars")
-        if found is None:
-            return None
-        del found["total"]  # the sum of the parts
-        message = found.pop("message")
-        columns = {name: np.array(column, dtype=float) for name, column in found.items()}
-        return ErrorBars(**columns, message=message)
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise OutputError(f"{path}: is damaged; run the scene again") from None

@@ -8,15 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from .checkpoint import Checkpoint, CheckpointError, Start
-from .output import (
-    CHECKPOINT,
-    OutputError,
-    load_history,
-    load_profiles,
-    load_result,
-    load_scene,
-    load_status,
-)
+from .output import CHECKPOINT, OutputError
+from .reading import load_history, load_profiles, load_result, load_scene, load_status
 from .record import Result
 from .scene import Run, Scene, SceneError
 from .time_steps import same_time

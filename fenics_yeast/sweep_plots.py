@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ._figures import COLOURS, figure_of
-from .output import load_history, load_scene
 from .plots import Curve, pressures, volumes
+from .reading import load_history, load_scene
 from .sweep import unit_symbol, value_label
 from .sweep_table import CaseRow, read_table
 

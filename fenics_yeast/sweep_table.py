@@ -9,7 +9,8 @@ from io import StringIO
 from pathlib import Path
 from typing import get_args
 
-from .output import OutputError, load_ending, load_history, load_scene, replace_file, writing
+from .output import OutputError, replace_file, writing
+from .reading import load_ending, load_history, load_scene
 from .record import Status
 from .scene import SceneError
 from .sweep import Case

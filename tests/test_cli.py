@@ -18,7 +18,7 @@ from command import call
 from typer.testing import Result
 
 from fenics_yeast import Scene, _form_cache, simulation
-from fenics_yeast.output import load_history, load_profiles, load_status
+from fenics_yeast.reading import load_history, load_profiles, load_status
 from fenics_yeast.record import History, Profiles, Timings
 from fenics_yeast.record import Result as RunResult
 

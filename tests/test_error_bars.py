@@ -11,7 +11,8 @@ from command import call
 from fenics_yeast import error_bars as module
 from fenics_yeast import simulate
 from fenics_yeast.error_bars import error_bars, refinements
-from fenics_yeast.output import OutputFolder, load_error_bars
+from fenics_yeast.output import OutputFolder
+from fenics_yeast.reading import load_error_bars
 from fenics_yeast.record import Timings
 from fenics_yeast.scene import StaticPath, Until
 

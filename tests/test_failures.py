@@ -14,7 +14,7 @@ import ufl
 from fenics_yeast import Scene, growth, simulate
 from fenics_yeast.evolution import Evolution
 from fenics_yeast.laws import Law
-from fenics_yeast.output import load_history, load_profiles, load_status
+from fenics_yeast.reading import load_history, load_profiles, load_status
 from fenics_yeast.record import COLUMNS, Profile, Result, Row
 
 COMMAND = [sys.executable, "-c", "from fenics_yeast.cli import main; main()"]

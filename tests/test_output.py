@@ -8,14 +8,8 @@ import numpy as np
 import pytest
 
 from fenics_yeast import Scene
-from fenics_yeast.output import (
-    OutputError,
-    OutputFolder,
-    load_history,
-    load_profiles,
-    load_scene,
-    load_status,
-)
+from fenics_yeast.output import OutputError, OutputFolder
+from fenics_yeast.reading import load_history, load_profiles, load_scene, load_status
 from fenics_yeast.record import COLUMNS, History, Profile, Profiles, Result, Row, Timings
 
 CONTRACT = (

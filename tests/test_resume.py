@@ -23,7 +23,7 @@ from fenics_yeast.checkpoint import FORMAT, Checkpoint, CheckpointError, Start
 from fenics_yeast.evolution import Memory
 from fenics_yeast.layout import Layout
 from fenics_yeast.march import March
-from fenics_yeast.output import load_history, load_profiles, load_result, load_status
+from fenics_yeast.reading import load_history, load_profiles, load_result, load_status
 from fenics_yeast.record import COLUMNS, Profiles
 from fenics_yeast.record import Result as RunResult
 from fenics_yeast.simulation import build_shell

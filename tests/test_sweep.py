@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from fenics_yeast import Scene, SceneError, simulate
-from fenics_yeast.output import load_history, load_status
+from fenics_yeast.reading import load_history, load_status
 from fenics_yeast.sweep import parse_variation, plan, unit_symbol
 
 COMMAND = [sys.executable, "-c", "from fenics_yeast.cli import main; main()"]
