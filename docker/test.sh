@@ -71,7 +71,7 @@ make_base() {
         mv "$fat" "$tree"
     fi
     base=fenics-yeast-base
-    load_base
+    "$engine" inspect --type image "$base" >/dev/null 2>&1 || load_base
 }
 
 timeout 120 "$engine" pull "$base" >/dev/null 2>&1 || {
@@ -116,12 +116,16 @@ run python /opt/fenics-yeast/demos/fig4_bud.py
 
 values="growth.threshold=1 MPa,1.1 MPa" file=$PWD/docker/compose.yaml
 if [ ${#compose[@]} -gt 0 ]; then
-    (cd "$scenes" && RANKS=3 VARY=$values "${compose[@]}" --file "$file" run --rm sweep)
+    (
+        cd "$scenes"
+        RANKS=3 VARY=$values "${compose[@]}" --file "$file" run --rm sweep
+        "${compose[@]}" --file "$file" down
+    )
 else
     say "compose is not tried: there is none for $engine"
     run mpirun -n 3 fenics-yeast sweep bud.toml --vary "$values"
 fi
-[ "$(grep --count finished "$scenes/out/bud-sweep/sweep.csv")" -eq 2 ] || fail "the sweep lacks a case"
+[ "$(grep --count finished "$scenes/out/bud-sweep/sweep.csv")" = 2 ] || fail "the sweep lacks a case"
 [ -z "$(find "$scenes" ! -user "$(stat -c %u "$scenes")")" ] || fail "the output is not the caller's"
 run pytest "$@"
 say "passed"
