@@ -24,7 +24,8 @@ export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 export OMPI_MCA_rmaps_base_oversubscribe := 1
 export OMPI_MCA_mpi_yield_when_idle := 1
-export OMPI_MCA_btl := ^tcp
+# Without ofi, which Open MPI 5 takes a second to look for once this is set.
+export OMPI_MCA_btl := ^tcp,ofi
 # Else the ranks of every run wait for the same first cores.
 export OMPI_MCA_hwloc_base_binding_policy := none
 export PRTE_MCA_hwloc_default_binding_policy := none
