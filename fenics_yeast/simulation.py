@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Generator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from time import perf_counter
 from typing import Any, Self
 
@@ -204,7 +204,7 @@ class Simulation:
             raise error.__cause__ or error from None
         except KeyboardInterrupt as interrupt:
             self._others.wait(interrupt)
-            self._end(Outcome("interrupted", f"interrupted at {self._time:g} min"))
+            self._stop("interrupted")
             raise
         except Exception as error:
             _LOG.debug("the run broke", exc_info=True)
@@ -216,8 +216,7 @@ class Simulation:
 
     def close(self) -> None:
         """End the run where it is, with the profile of its last state, and free the solvers."""
-        if self._outcome is None:
-            self._end(Outcome("interrupted", f"stopped at {self._time:g} min"))
+        self._stop("stopped")
 
     @property
     def result(self) -> Result:
@@ -242,6 +241,11 @@ class Simulation:
         """Time of the last accepted state in min."""
         rows = self._journal.rows
         return rows[-1].time_min if rows else 0.0
+
+    def _stop(self, how: str) -> None:
+        """End a run that has not ended, in its last state."""
+        if self._outcome is None:
+            self._end(Outcome("interrupted", f"{how} at {self._time:g} min"))
 
     def _end(self, outcome: Outcome) -> None:
         """Keep what an ended run leaves."""
@@ -342,10 +346,11 @@ def simulate(
         start=start,
         keep=keep,
     ) as simulation:
-        with suppress(KeyboardInterrupt):  # told in the result
+        try:
             for _ in simulation:
                 pass
-        simulation.close()  # if it was interrupted between two steps
+        except KeyboardInterrupt:  # told in the result
+            simulation._stop("interrupted")  # if that was between two steps
         return simulation.result
 
 

@@ -68,6 +68,22 @@ def test_a_loop_can_be_taken_up_again(scene: Scene, whole: Result) -> None:
     assert simulation.result.status == "finished"
 
 
+def test_an_interrupt_between_two_steps_is_one(
+    scene: Scene, whole: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    step = Simulation.__next__
+
+    def interrupted(simulation: Simulation) -> Row:
+        if len(simulation.result.history) == 4:
+            raise KeyboardInterrupt
+        return step(simulation)
+
+    monkeypatch.setattr(Simulation, "__next__", interrupted)
+    result = simulate(scene)
+    assert (result.status, result.message) == ("interrupted", "interrupted at 3 min")
+    assert result.history.rows == whole.history.rows[:4]
+
+
 def test_an_error_in_the_loop_frees_the_solvers(scene: Scene) -> None:
     with pytest.raises(ZeroDivisionError), Simulation(scene) as simulation:
         for row in simulation:
