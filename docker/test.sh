@@ -60,6 +60,7 @@ fi
 make_base() {
     local folder fat=$tree-fat
     if [ ! -d "$tree" ]; then
+        [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null || fail "only root of a Debian can make $base"
         mkdir -p "$(dirname "$tree")"
         rm -rf --one-file-system "$fat"
         .ci/bootstrap "$fat"
@@ -74,7 +75,7 @@ make_base() {
     "$engine" inspect --type image "$base" >/dev/null 2>&1 || load_base
 }
 
-timeout 120 "$engine" pull "$base" >/dev/null 2>&1 || {
+"$engine" inspect --type image "$base" >/dev/null 2>&1 || timeout 300 "$engine" pull "$base" >/dev/null 2>&1 || {
     say "no registry has $base for $engine: its base comes from debootstrap"
     make_base
 }
@@ -97,13 +98,14 @@ for start in "$start" "run after that"; do
     run run bud.toml
     say "$start: $(since "$began")"
 done
-run python -c '
-import json
-seconds = json.load(open("out/bud/run.json"))["timings"]["compile_s"]
-assert seconds < 3, f"forms were compiled at run time, {seconds} s"
-'
 run new mine.toml
 run run mine.toml --quiet
+run python -c '
+import json
+for name in ("bud", "mine"):
+    seconds = json.load(open(f"out/{name}/run.json"))["timings"]["compile_s"]
+    assert seconds < 1, f"{name}: forms were compiled at run time, {seconds} s"
+'
 short=(bud.toml --quiet --set run.end=5 --set 'run.save=[5]')
 run run "${short[@]}" --out one
 run mpirun -n 2 fenics-yeast run "${short[@]}" --out two
@@ -118,7 +120,7 @@ values="growth.threshold=1 MPa,1.1 MPa" file=$PWD/docker/compose.yaml
 if [ ${#compose[@]} -gt 0 ]; then
     (
         cd "$scenes"
-        RANKS=3 VARY=$values "${compose[@]}" --file "$file" run --rm sweep
+        RANKS=3 VARY=$values "${compose[@]}" --file "$file" run --rm -T sweep
         "${compose[@]}" --file "$file" down
     )
 else

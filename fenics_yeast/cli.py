@@ -84,7 +84,7 @@ def run(
 
     It takes in the history, profiles at the saved times, figures and a summary. Exit status: 0
     finished, 2 bad input, 3 the model has no equilibrium beyond some time, 4 the solver gave up,
-    130 interrupted.
+    130 interrupted; 1 if dolfinx or its C compiler is missing.
     """
     try:
         scene = _load(scene_file, assignments)
@@ -307,12 +307,16 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
 
 
 def _home() -> str:
-    from tempfile import gettempdir
-
     try:
         return str(Path.home())
     except RuntimeError:  # an unknown user
-        return gettempdir()
+        import atexit
+        import shutil
+        import tempfile
+
+        place = tempfile.mkdtemp(prefix="fenics-yeast-home-")  # code is loaded from it
+        atexit.register(shutil.rmtree, place, ignore_errors=True)
+        return place
 
 
 def main() -> None:

@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import join as quote_all
 from typing import Any
 
 # In a process of its own, which may die of whatever is wrong; it compiles into an empty folder.
@@ -78,13 +79,15 @@ def _libraries() -> Finding:
         if name is None or "extra ==" in line:
             continue
         try:
-            found.append(f"{name[0]} {version(name[0])}")
+            found.append((name[0], version(name[0])))
         except PackageNotFoundError:
-            missing.append(name[0])
+            missing.append(line)
     if missing:
-        names = " ".join(missing)
-        return Finding("libraries", f"missing: {names}; run: pip install {names}", works=False)
-    return Finding("libraries", ", ".join(found))
+        # dolfinx was built for the NumPy that is there: pip must not bring another one.
+        held = [f"numpy=={number}" for name, number in found if name == "numpy"]
+        advice = f"{sys.executable} -m pip install {quote_all([*missing, *held])}"
+        return Finding("libraries", f"missing: {', '.join(missing)}; run: {advice}", works=False)
+    return Finding("libraries", ", ".join(map(" ".join, found)))
 
 
 def _cache() -> Finding:

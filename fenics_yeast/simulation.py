@@ -203,8 +203,7 @@ class Simulation:
             self._free(Outcome("failed", f"the run broke: {error}"))
             raise error.__cause__ or error from None
         except KeyboardInterrupt as interrupt:
-            self._others.wait(interrupt)
-            self._stop("interrupted")
+            self._interrupted(interrupt)
             raise
         except Exception as error:
             _LOG.debug("the run broke", exc_info=True)
@@ -216,7 +215,8 @@ class Simulation:
 
     def close(self) -> None:
         """End the run where it is, with the profile of its last state, and free the solvers."""
-        self._stop("stopped")
+        if self._outcome is None:
+            self._end(Outcome("interrupted", f"stopped at {self._time:g} min"))
 
     @property
     def result(self) -> Result:
@@ -242,10 +242,11 @@ class Simulation:
         rows = self._journal.rows
         return rows[-1].time_min if rows else 0.0
 
-    def _stop(self, how: str) -> None:
-        """End a run that has not ended, in its last state."""
+    def _interrupted(self, interrupt: KeyboardInterrupt) -> None:
+        """End a run in its last state, unless it has ended."""
         if self._outcome is None:
-            self._end(Outcome("interrupted", f"{how} at {self._time:g} min"))
+            self._others.wait(interrupt)
+            self._end(Outcome("interrupted", f"interrupted at {self._time:g} min"))
 
     def _end(self, outcome: Outcome) -> None:
         """Keep what an ended run leaves."""
@@ -349,8 +350,8 @@ def simulate(
         try:
             for _ in simulation:
                 pass
-        except KeyboardInterrupt:  # told in the result
-            simulation._stop("interrupted")  # if that was between two steps
+        except KeyboardInterrupt as interrupt:  # told in the result
+            simulation._interrupted(interrupt)  # if that was between two steps
         return simulation.result
 
 

@@ -33,7 +33,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What the documents show comes first: a reader tries that, and it is quick."""
+    """What the documents show comes first: a reader tries that."""
     items.sort(key=lambda item: item.path.name != "test_docs.py")
 
 

@@ -292,7 +292,7 @@ def test_a_service_has_no_home_in_its_environment(
     command = [*COMMAND, "run", "small.toml", "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert load_status(here / "out" / "small") is not None
+    assert load_status(here / "out" / "small") == "finished"
 
 
 def test_a_home_that_cannot_be_written_is_no_matter(

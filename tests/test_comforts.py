@@ -85,7 +85,8 @@ def test_info_names_the_libraries_that_are_missing(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(metadata, "version", version)
     finding = installation._libraries()
-    assert not finding.works and finding.text.endswith("run: pip install meshio pint")
+    assert not finding.works
+    assert finding.text.endswith(f"run: {sys.executable} -m pip install meshio pint numpy==1.0")
 
 
 def test_keys_and_choices_are_completed() -> None:

@@ -15,13 +15,9 @@ import numpy as np
 import ufl
 
 from fenics_yeast._dolfinx import MPI, PETSc, dolfinx, fem  # found wherever they come from
+from fenics_yeast._dolfinx import basix_ufl as elements
 
 logging.getLogger().setLevel(logging.WARNING)  # compiling is told as INFO
-
-try:
-    import basix.ufl as elements
-except ImportError:  # dolfinx 0.5
-    elements = None
 
 _MOST_ITERATIONS = 25
 _REDUCTION, _LEAST = 1e-9, 1e-11  # of the residual's norm
@@ -140,13 +136,14 @@ class Solid:
         direct.getPC().setFactorSolverType("mumps")
 
         def solve() -> None:
-            norms: list[float] = []
-            for _ in range(_MOST_ITERATIONS):
+            wanted = None
+            for _ in range(_MOST_ITERATIONS + 1):
                 b = fem.petsc.assemble_vector(self.form)
                 fem.petsc.apply_lifting(b, [tangent], [conditions], [w], -1.0)
                 fem.petsc.set_bc(b, conditions, w, -1.0)
-                norms.append(b.norm())
-                if norms[-1] <= max(_LEAST, _REDUCTION * norms[0]):
+                if wanted is None:
+                    wanted = max(_LEAST, _REDUCTION * b.norm())
+                if b.norm() <= wanted:
                     return
                 matrix = fem.petsc.assemble_matrix(tangent, conditions)
                 matrix.assemble()
