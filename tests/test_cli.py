@@ -1,6 +1,5 @@
 """The command: exit status, what it prints and where, what it writes, how it is interrupted."""
 
-import functools
 import json
 import os
 import pty
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command import call
+from command import call, hear
 from typer.testing import Result
 
 from fenics_yeast import Scene, _form_cache, simulation
@@ -62,7 +61,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def start(*arguments: str) -> subprocess.Popen[str]:
     """Start the command as a process of its own, which hears Ctrl-C even in the background."""
     pipe = subprocess.PIPE
-    hear = functools.partial(signal.signal, signal.SIGINT, signal.default_int_handler)
     command = [*COMMAND, *arguments]
     return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=hear)
 
@@ -366,6 +364,18 @@ def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers:
     assert summary["end_time_min"] == history.time_min[-1] == profiles.all[-1].time
     assert summary["steps"] == len(history) - 1
     assert tree(folder) == FILES if len(numbers) == 1 else tree(folder) <= FILES
+
+
+def test_under_nohup_the_end_of_a_connection_is_no_matter(here: Path) -> None:
+    command = ["nohup", *COMMAND, "run", "small.toml", "--quiet", "--set", "numerics.step=0.02"]
+    pipe = subprocess.PIPE
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe)
+    folder = here / "out" / "small"
+    path = folder / "history.csv"
+    wait_for(lambda: path.exists() and path.read_bytes().count(b"\n") > 10, process)
+    process.send_signal(signal.SIGHUP)
+    assert (*process.communicate(timeout=60), process.returncode) == (b"", b"", 0)
+    assert load_status(folder) == "finished"
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Sweeps: which cases they take in, how these run side by side, what is left when some do not."""
 
 import csv
-import functools
 import os
 import signal
 import subprocess
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import hear
 
 from fenics_yeast import Scene, SceneError, simulate
 from fenics_yeast.reading import load_history, load_status
@@ -65,7 +65,6 @@ def bud() -> Scene:
 
 def start(*arguments: str) -> subprocess.Popen[str]:
     """Start a sweep as a process group of its own, as a terminal does."""
-    hear = functools.partial(signal.signal, signal.SIGINT, signal.default_int_handler)
     pipe = subprocess.PIPE
     return subprocess.Popen(
         [*COMMAND, "sweep", "bud.toml", "--out", "sweep", *arguments], env=ENVIRONMENT,
