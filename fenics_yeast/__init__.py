@@ -7,12 +7,16 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 from .scene import Scene, SceneError
 
 if TYPE_CHECKING:
     from .simulation import Simulation, simulate
+
+# Else UCX, which MPI may load, keeps SIGHUP for its own tracing (openucx/ucx, issue 10742).
+os.environ.setdefault("UCX_DEBUG_SIGNO", "0")
 
 __all__ = ["Scene", "SceneError", "Simulation", "simulate"]
 
