@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scene_texts import SMALL
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast import _dolfinx as dx
@@ -43,6 +44,14 @@ def pytest_exception_interact(node: pytest.Item, report: pytest.TestReport) -> N
     if world.size > 1:
         print(f"rank {world.rank}: {node.nodeid}\n{report.longreprtext}", file=sys.__stderr__)
         world.Abort(1)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory, with a scene in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SMALL)
+    return tmp_path
 
 
 @pytest.fixture(scope="session")

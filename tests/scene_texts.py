@@ -1,4 +1,4 @@
-"""Two scenes as texts: the documented one with every key, and the shortest."""
+"""Scenes as texts: the documented one with every key, the shortest, and one that runs quickly."""
 
 BUD = """\
 title = "S. cerevisiae bud"
@@ -47,4 +47,29 @@ thickness = 0.1
 shear_modulus = 40
 [turgor]
 pressure = 0.2
+"""
+
+# The forms of the paper's preset, on few cells and with long steps.
+SMALL = """\
+title = "Test bud"
+[cell]
+shape = "sphere"
+diameter = "5 um"
+[wall]
+thickness = "100 nm"
+shear_modulus = "40 MPa"
+[turgor]
+pressure = "2 atm"
+ramp = "0.01 min"
+[growth]
+zone = { pole = "top", half_angle = 24.0 }
+threshold = "1 MPa"
+time = "45 min"
+[run]
+end = "20 min"
+save = [10, 20]
+[numerics]
+preset = "paper"
+elements = 60
+step = "2 min"
 """

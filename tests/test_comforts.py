@@ -7,15 +7,13 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from command import call
+from command import COMMAND, call
 
 from fenics_yeast import Scene, installation, simulate
 from fenics_yeast._completion import assignments
 from fenics_yeast._time_left import TimeLeft, duration
 from fenics_yeast.example import EXAMPLE
 from fenics_yeast.record import Profile, Row
-
-COMMAND = [sys.executable, "-c", "from fenics_yeast.cli import main; main()"]
 
 
 def test_new_writes_a_scene_and_never_over_one(tmp_path: Path) -> None:

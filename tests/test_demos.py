@@ -129,7 +129,7 @@ NUMBERS: dict[str, Callable[[str], None]] = {
 }
 OPTIONS = {"speed_against_error": ("--quick",)}
 # The rows of the table are asserted one by one in test_hard_cases.py, with these formulas.
-ELSEWHERE = {"hard_cases", "closed_forms", "tip_balance"}
+ELSEWHERE = {"hard_cases", "hard_runs", "closed_forms", "tip_balance"}
 REPORTS = ("speed_against_error",)  # longer than a demo that reads like the paper
 
 

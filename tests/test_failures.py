@@ -3,13 +3,12 @@
 import shutil
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import ufl
+from command import COMMAND, wait_for
 
 from fenics_yeast import Scene, growth, simulate
 from fenics_yeast.evolution import Evolution
@@ -17,7 +16,6 @@ from fenics_yeast.laws import Law
 from fenics_yeast.reading import load_history, load_profiles, load_status
 from fenics_yeast.record import COLUMNS, Profile, Result, Row
 
-COMMAND = [sys.executable, "-c", "from fenics_yeast.cli import main; main()"]
 LAW = {"sigma_trs": 1.0, "t_grw": 45.0}
 
 
@@ -168,13 +166,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.toml").write_text(SMALL)
     return tmp_path
-
-
-def wait_for(condition: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
-    deadline = time.monotonic() + 60
-    while not condition():
-        assert process.poll() is None and time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:

@@ -11,13 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import hear
+from command import COMMAND, hear, wait_for
 
 from fenics_yeast import Scene, SceneError, simulate
 from fenics_yeast.reading import load_history, load_status
 from fenics_yeast.sweep import parse_variation, plan, unit_symbol
 
-COMMAND = [sys.executable, "-c", "from fenics_yeast.cli import main; main()"]
 # Marks of a process that has initialised MPI, which those that it starts must not inherit.
 ENVIRONMENT = {
     name: value
@@ -250,13 +249,6 @@ def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
 # Interrupted and killed -----------------------------------------------------------------------
 
 LONG = ("--set", "numerics.step=0.01")  # some seconds each
-
-
-def wait_for(condition: Callable[[], bool], process: subprocess.Popen[str]) -> None:
-    deadline = time.monotonic() + 60
-    while not condition():
-        assert process.poll() is None and time.monotonic() < deadline
-        time.sleep(0.02)
 
 
 def under_way(case: Path) -> bool:
