@@ -74,8 +74,6 @@ class Case:
         return found.status == self.status and bool(near) and self.says in found.message
 
 
-# The table ------------------------------------------------------------------------------------
-
 CPP = "C++"
 BY_EXPONENT = {-4.0: 1.2230437, 0.5: 1.2153239, 8.0: 1.1947674, 12.0: 1.1833314}
 CONVERGED = 1.211736  # V/V0 of the bud at 80 min: C++ and a p-version code in NumPy

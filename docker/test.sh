@@ -1,7 +1,7 @@
 #!/bin/bash
 # Builds the image and tries it: command, output, demo, ranks, a sweep by compose, tests. Arguments go to pytest.
 # With docker or podman where an engine answers; else, as root, with buildah, which needs none. Where no registry
-# answers either, debootstrap makes the base, as root, in ${XDG_CACHE_HOME:-~/.cache}/fenics-yeast.
+# answers, and no older base is here, debootstrap makes the base, as root, in ${XDG_CACHE_HOME:-~/.cache}/fenics-yeast.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -75,7 +75,7 @@ make_base() {
     "$engine" inspect --type image "$base" >/dev/null 2>&1 || load_base
 }
 
-"$engine" inspect --type image "$base" >/dev/null 2>&1 || timeout 300 "$engine" pull "$base" >/dev/null 2>&1 || {
+timeout 300 "$engine" pull "$base" >/dev/null 2>&1 || "$engine" inspect --type image "$base" >/dev/null 2>&1 || {
     say "no registry has $base for $engine: its base comes from debootstrap"
     make_base
 }

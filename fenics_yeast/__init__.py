@@ -15,7 +15,7 @@ from .scene import Scene, SceneError
 if TYPE_CHECKING:
     from .simulation import Simulation, simulate
 
-# Else UCX, which MPI may load, keeps SIGHUP for its own tracing (openucx/ucx, issue 10742).
+# Before MPI loads UCX, which would keep SIGHUP for its own tracing (openucx/ucx, issue 10742).
 os.environ.setdefault("UCX_DEBUG_SIGNO", "0")
 
 __all__ = ["Scene", "SceneError", "Simulation", "simulate"]

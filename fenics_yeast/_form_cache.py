@@ -39,13 +39,19 @@ def folder() -> Path:
             return place
     except (OSError, RuntimeError) as error:  # RuntimeError: there is no home
         problem = getattr(error, "strerror", None) or str(error)
-    place = Path(tempfile.mkdtemp(prefix="fenics-yeast-forms-"))
-    atexit.register(shutil.rmtree, place, ignore_errors=True)
+    place = temporary("forms")
     print(
         "warning: compiled forms are kept for this run only, since the cache folder cannot be "
         f"used ({problem}); XDG_CACHE_HOME may name another",
         file=sys.stderr,
     )
+    return place
+
+
+def temporary(name: str) -> Path:
+    """Folder of this process and user alone, from which code is loaded, removed at its end."""
+    place = Path(tempfile.mkdtemp(prefix=f"fenics-yeast-{name}-"))
+    atexit.register(shutil.rmtree, place, ignore_errors=True)
     return place
 
 

@@ -154,7 +154,7 @@ def sweep(
     Each case gets an output folder below that of the sweep, which takes in a table, sweep.csv,
     and a figure of one parameter or two. Started again, it skips the cases that are finished.
     Under mpirun the ranks share the cases. Exit status: 0 every case has come to an end, 2 bad
-    input, 4 some failed, 130 interrupted.
+    input, 4 some failed, 130 interrupted; 1 if dolfinx or its C compiler is missing.
     """
     from .sweep import parse_variation, plan
 
@@ -309,14 +309,10 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
 def _home() -> str:
     try:
         return str(Path.home())
-    except RuntimeError:  # an unknown user
-        import atexit
-        import shutil
-        import tempfile
+    except RuntimeError:  # an unknown user, whose forms are compiled anew in every run
+        from ._form_cache import temporary
 
-        place = tempfile.mkdtemp(prefix="fenics-yeast-home-")  # code is loaded from it
-        atexit.register(shutil.rmtree, place, ignore_errors=True)
-        return place
+        return str(temporary("home"))
 
 
 def main() -> None:

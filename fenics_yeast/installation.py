@@ -6,6 +6,7 @@ import json
 import os
 import platform
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -13,7 +14,6 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from shlex import join as quote_all
 from typing import Any
 
 # In a process of its own, which may die of whatever is wrong; it compiles into an empty folder.
@@ -85,7 +85,7 @@ def _libraries() -> Finding:
     if missing:
         # dolfinx was built for the NumPy that is there: pip must not bring another one.
         held = [f"numpy=={number}" for name, number in found if name == "numpy"]
-        advice = f"{sys.executable} -m pip install {quote_all([*missing, *held])}"
+        advice = shlex.join([sys.executable, "-m", "pip", "install", *missing, *held])
         return Finding("libraries", f"missing: {', '.join(missing)}; run: {advice}", works=False)
     return Finding("libraries", ", ".join(map(" ".join, found)))
 

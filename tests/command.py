@@ -46,6 +46,12 @@ def wait_for(condition: Callable[[], bool], process: subprocess.Popen[Any]) -> N
         time.sleep(0.02)
 
 
+def lines(folder: Path) -> int:
+    """Lines that the history of a run has by now."""
+    history = folder / "history.csv"
+    return history.read_bytes().count(b"\n") if history.exists() else 0
+
+
 def tree(folder: Path) -> set[str]:
     """All files of a folder."""
     return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}

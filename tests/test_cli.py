@@ -129,6 +129,20 @@ def test_a_service_has_no_home_in_its_environment(
     assert load_status(here / "out" / "small") == "finished"
 
 
+def test_an_unknown_user_without_a_home_runs_and_leaves_nothing(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(_form_cache.folder().parent.parent))
+    monkeypatch.delenv("HOME")
+    (here / "temporary").mkdir()
+    monkeypatch.setenv("TMPDIR", str(here / "temporary"))
+    code = "import pwd; pwd.getpwuid = {}.__getitem__\nfrom fenics_yeast.cli import main; main()"
+    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert not list((here / "temporary").glob("fenics-yeast-*"))
+
+
 def test_a_home_that_cannot_be_written_is_no_matter(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

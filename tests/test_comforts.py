@@ -82,9 +82,10 @@ def test_info_names_the_libraries_that_are_missing(monkeypatch: pytest.MonkeyPat
         return "1.0"
 
     monkeypatch.setattr(metadata, "version", version)
+    monkeypatch.setattr(sys, "executable", "/my cells/python")
     finding = installation._libraries()
     assert not finding.works
-    assert finding.text.endswith(f"run: {sys.executable} -m pip install meshio pint numpy==1.0")
+    assert finding.text.endswith("run: '/my cells/python' -m pip install meshio pint numpy==1.0")
 
 
 def test_keys_and_choices_are_completed() -> None:

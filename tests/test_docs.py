@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from command import COMMAND as PROGRAM
 
 from fenics_yeast import Scene
 
@@ -53,8 +54,7 @@ def test_commands_in_their_order(checkout: Path) -> None:
     assert len(commands()) >= 3
     for call in commands():
         arguments = shlex.split(call, comments=True)[1:]
-        code = "from fenics_yeast.cli import main; main()"
-        run([sys.executable, "-c", code, *arguments], checkout)
+        run([*PROGRAM, *arguments], checkout)
 
 
 def test_no_command_goes_without_its_folder() -> None:

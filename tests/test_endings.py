@@ -1,6 +1,7 @@
 """How runs of the command end early: exit status, what is told, what is left."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -8,8 +9,9 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from command import COMMAND, FILES, TWO_SAVED, call, hear, tree, wait_for
+from command import COMMAND, FILES, TWO_SAVED, call, hear, lines, tree, wait_for
 
 from fenics_yeast import simulation
 from fenics_yeast.reading import load_history, load_profiles, load_status
@@ -54,16 +56,15 @@ def test_other_ends_have_their_exit_status(
     assert load_status(here / "out" / "small") == status
 
 
-SIGNALS = [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]]
+INTERRUPTS = [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]]
 
 
-@pytest.mark.parametrize("numbers", SIGNALS)
+@pytest.mark.parametrize("numbers", INTERRUPTS)
 def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers: list[int]) -> None:
     """Ctrl-C, the end of a batch job or of a connection; once more while figures are drawn."""
     process = start("run", "small.toml", "--quiet", "--set", "numerics.step=0.002")
     folder = here / "out" / "small"
-    path = folder / "history.csv"
-    wait_for(lambda: path.exists() and path.read_bytes().count(b"\n") > 10, process)
+    wait_for(lambda: lines(folder) > 10, process)
     for number in numbers:
         process.send_signal(number)
         time.sleep(0.03 if number is numbers[0] else 0)
@@ -83,8 +84,7 @@ def test_under_nohup_the_end_of_a_connection_is_no_matter(here: Path) -> None:
     pipe = subprocess.PIPE
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe)
     folder = here / "out" / "small"
-    path = folder / "history.csv"
-    wait_for(lambda: path.exists() and path.read_bytes().count(b"\n") > 10, process)
+    wait_for(lambda: lines(folder) > 10, process)
     process.send_signal(signal.SIGHUP)
     assert (*process.communicate(timeout=60), process.returncode) == (b"", b"", 0)
     assert load_status(folder) == "finished"
@@ -99,6 +99,16 @@ def test_a_script_ends_with_its_connection() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGHUP, "", "")
 
 
+def on_a_small_disk(size: int, *options: str) -> subprocess.CompletedProcess[str]:
+    """Run the scene where no file may be larger than so many bytes."""
+    code = (
+        "import resource; from mpi4py import MPI; from fenics_yeast.cli import main\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); main()"
+    )
+    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *options]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+
+
 @pytest.mark.parametrize(
     ("size", "status", "advice"),
     [
@@ -110,12 +120,7 @@ def test_a_disk_that_fills_up_ends_the_run_in_a_line(
     here: Path, size: int, status: str, advice: str
 ) -> None:
     """In a line of the history, which then has whole lines only; or in a figure."""
-    code = (
-        "import resource; from mpi4py import MPI; from fenics_yeast.cli import main\n"
-        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); main()"
-    )
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = on_a_small_disk(size)
     assert (done.returncode, done.stdout) == (4, "")
     assert done.stderr.startswith("error: out/small: cannot be written: ")
     assert done.stderr.endswith(f"; once that is mended, {advice}\n")
@@ -172,3 +177,51 @@ def test_a_reader_that_goes_away_does_not_end_the_run(here: Path) -> None:
     process.stdout.close()
     assert process.wait(60) == 0
     assert load_status(here / "out" / "small") == "finished"
+
+
+FINE = ("--set", "numerics.step=0.04", "--set", "run.save=[1, 10, 20]")
+
+
+def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
+    folder = here / "out" / "small"
+    process = start("run", "small.toml", "--quiet", *FINE)
+    wait_for(lambda: lines(folder) > 40, process)
+    shutil.rmtree(folder.rename(here / "removed"))  # at once: the run makes it again
+    assert process.wait(60) == 0
+    times = load_history(folder).time_min
+    assert times[0] == 0 and times[-1] == 20 and len(times) > 400
+    assert [profile.time for profile in load_profiles(folder)] == [1, 10, 20]
+    assert load_status(folder) == "finished"
+
+
+def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
+    done = on_a_small_disk(30_000, *FINE)
+    assert done.returncode == 4
+    assert done.stderr.startswith("error: out/small: cannot be written: ")
+    folder = here / "out" / "small"
+    history, profiles = load_history(folder), load_profiles(folder)
+    assert len(history) > 100
+    assert [profile.time for profile in profiles] == [1]
+    assert np.isfinite(history.volume_ratio).all()
+
+
+def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
+    code = (
+        "from fenics_yeast.evolution import Evolution, EquilibriumError\n"
+        "attempt = Evolution.attempt\n"
+        "def gives_up(self, end):\n"
+        "    if end > 5: raise EquilibriumError('no luck', 3)\n"
+        "    return attempt(self, end)\n"
+        "Evolution.attempt = gives_up\n"
+        "from fenics_yeast.cli import main; main()"
+    )
+    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *FINE]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 4, done.stderr
+    assert done.stderr.startswith("error: no step beyond ") and "no luck" in done.stderr
+    assert done.stderr.count("\n") == 1
+    folder = here / "out" / "small"
+    assert load_status(folder) == "failed"
+    history, profiles = load_history(folder), load_profiles(folder)
+    assert 4.9 < history.time_min[-1] <= 5
+    assert [profile.time for profile in profiles] == [1, history.time_min[-1]]

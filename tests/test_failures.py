@@ -1,19 +1,12 @@
 """Whatever goes wrong in a run, what was computed before is kept and readable."""
 
-import shutil
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 import ufl
-from command import COMMAND, wait_for
 
 from fenics_yeast import Scene, growth, simulate
 from fenics_yeast.evolution import Evolution
 from fenics_yeast.laws import Law
-from fenics_yeast.reading import load_history, load_profiles, load_status
 from fenics_yeast.record import COLUMNS, Profile, Result, Row
 
 LAW = {"sigma_trs": 1.0, "t_grw": 45.0}
@@ -134,86 +127,3 @@ def test_what_an_observer_raises_comes_out(scene: Scene) -> None:
     with pytest.raises(ZeroDivisionError, match="mine"):
         simulate(scene, observer=listener)
     assert len(listener.rows) == 3  # and it is told nothing more
-
-
-# --- the command --------------------------------------------------------------------------
-
-SMALL = """\
-[cell]
-shape = "sphere"
-diameter = "5 um"
-[wall]
-thickness = "100 nm"
-shear_modulus = "40 MPa"
-[turgor]
-pressure = "2 atm"
-[growth]
-zone = { pole = "top", half_angle = 24.0 }
-threshold = "1 MPa"
-time = "45 min"
-[run]
-end = "20 min"
-save = [1, 10, 20]
-[numerics]
-preset = "paper"
-elements = 60
-step = "0.04 min"
-"""
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.toml").write_text(SMALL)
-    return tmp_path
-
-
-def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
-    folder = here / "out" / "small"
-    process = subprocess.Popen([*COMMAND, "run", "small.toml", "--quiet"])
-    history = folder / "history.csv"
-    wait_for(lambda: history.exists() and history.read_bytes().count(b"\n") > 40, process)
-    shutil.rmtree(folder.rename(here / "removed"))  # at once: the run makes it again
-    assert process.wait(60) == 0
-    times = load_history(folder).time_min
-    assert times[0] == 0 and times[-1] == 20 and len(times) > 400
-    assert [profile.time for profile in load_profiles(folder)] == [1, 10, 20]
-    assert load_status(folder) == "finished"
-
-
-def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
-    code = (
-        "import resource; from mpi4py import MPI; from fenics_yeast.cli import main\n"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000)); main()"
-    )
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 4
-    assert done.stderr.startswith("error: out/small: cannot be written: ")
-    folder = here / "out" / "small"
-    history, profiles = load_history(folder), load_profiles(folder)
-    assert len(history) > 100
-    assert [profile.time for profile in profiles] == [1]
-    assert np.isfinite(history.volume_ratio).all()
-
-
-def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
-    code = (
-        "from fenics_yeast.evolution import Evolution, EquilibriumError\n"
-        "attempt = Evolution.attempt\n"
-        "def gives_up(self, end):\n"
-        "    if end > 5: raise EquilibriumError('no luck', 3)\n"
-        "    return attempt(self, end)\n"
-        "Evolution.attempt = gives_up\n"
-        "from fenics_yeast.cli import main; main()"
-    )
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 4, done.stderr
-    assert done.stderr.startswith("error: no step beyond ") and "no luck" in done.stderr
-    assert done.stderr.count("\n") == 1
-    folder = here / "out" / "small"
-    assert load_status(folder) == "failed"
-    history, profiles = load_history(folder), load_profiles(folder)
-    assert 4.9 < history.time_min[-1] <= 5
-    assert [profile.time for profile in profiles] == [1, history.time_min[-1]]

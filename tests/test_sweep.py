@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import COMMAND, hear, wait_for
+from command import COMMAND, hear, lines, wait_for
 
 from fenics_yeast import Scene, SceneError, simulate
 from fenics_yeast.reading import load_history, load_status
@@ -251,17 +251,12 @@ def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
 LONG = ("--set", "numerics.step=0.01")  # some seconds each
 
 
-def under_way(case: Path) -> bool:
-    history = case / "history.csv"
-    return history.exists() and history.read_bytes().count(b"\n") > 5
-
-
 @pytest.mark.parametrize("to_all", [True, False])
 def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_all: bool) -> None:
     """A terminal interrupts every process; a batch system ends the first one."""
     process = start("--vary", "growth.time=30,45,60", "--jobs", "2", *LONG)
     first, second = (here / "sweep" / f"growth.time={time}" for time in (30, 45))
-    wait_for(lambda: under_way(first) and under_way(second), process)
+    wait_for(lambda: lines(first) > 5 and lines(second) > 5, process)
     if to_all:
         os.killpg(process.pid, signal.SIGINT)
     else:
@@ -312,7 +307,7 @@ def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
     """Whoever is killed twice is to blame; the others run again."""
     process = start("--vary", "numerics.step=0.002,2,4", "--jobs", "1")
     guilty = here / "sweep" / "numerics.step=0.002"
-    wait_for(lambda: under_way(guilty), process)
+    wait_for(lambda: lines(guilty) > 5, process)
     for child in children(process):
         os.kill(child, signal.SIGKILL)
     _, errors = process.communicate(timeout=60)
@@ -325,7 +320,7 @@ def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
 
 def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
     process = start("--vary", "growth.time=30,45", "--jobs", "2", *LONG)
-    wait_for(lambda: under_way(here / "sweep" / "growth.time=45"), process)
+    wait_for(lambda: lines(here / "sweep" / "growth.time=45") > 5, process)
     workers = children(process)
     assert len(workers) == 2
     process.kill()

@@ -135,22 +135,26 @@ class Solid:
         direct.getPC().setType("lu")
         direct.getPC().setFactorSolverType("mumps")
 
+        def residual() -> Any:
+            b = fem.petsc.assemble_vector(self.form)
+            fem.petsc.apply_lifting(b, [tangent], [conditions], [w], -1.0)
+            fem.petsc.set_bc(b, conditions, w, -1.0)
+            return b
+
         def solve() -> None:
-            wanted = None
-            for _ in range(_MOST_ITERATIONS + 1):
-                b = fem.petsc.assemble_vector(self.form)
-                fem.petsc.apply_lifting(b, [tangent], [conditions], [w], -1.0)
-                fem.petsc.set_bc(b, conditions, w, -1.0)
-                if wanted is None:
-                    wanted = max(_LEAST, _REDUCTION * b.norm())
-                if b.norm() <= wanted:
-                    return
+            b = residual()
+            wanted = max(_LEAST, _REDUCTION * b.norm())
+            left = _MOST_ITERATIONS
+            while b.norm() > wanted:
+                if not left:
+                    raise RuntimeError(f"{_MOST_ITERATIONS} Newton iterations do not converge")
+                left -= 1
                 matrix = fem.petsc.assemble_matrix(tangent, conditions)
                 matrix.assemble()
                 direct.setOperators(matrix)
                 direct.solve(b, change)
                 w.axpy(-1.0, change)
-            raise RuntimeError(f"{_MOST_ITERATIONS} iterations of Newton's method do not converge")
+                b = residual()
 
         return solve
 
