@@ -4,7 +4,7 @@ import json
 import sys
 from pathlib import Path
 
-from fenics_yeast.reading import load_history
+from fenics_yeast.output.reading import load_history
 
 folders = [Path(name) for name in sys.argv[1:]]
 for folder in folders:

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.meridian import discretise
+from fenics_yeast.simulation.discretise import discretise
 
 TIMES = (0, 40, 70, 85)
 bare = Scene.load(Path(__file__).parent / "scenes" / "bud.toml")

@@ -36,7 +36,7 @@ from hard_runs import (
 )
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.record import Status
+from fenics_yeast.simulation.result import Status
 
 
 @dataclass(frozen=True)

@@ -10,18 +10,19 @@ import numpy as np
 import ufl
 from closed_forms import MU, H, P, R, buckling
 
-from fenics_yeast import Scene, simulate, wall
-from fenics_yeast import growth as growth_laws
-from fenics_yeast.curves import Sphere
-from fenics_yeast.equilibrium import Equilibrium
-from fenics_yeast.evolution import Evolution
-from fenics_yeast.integrators import TABLEAUX
-from fenics_yeast.laws import Law
-from fenics_yeast.meridian import Discretisation
-from fenics_yeast.record import Result, Status
-from fenics_yeast.shell import Shell
+from fenics_yeast import Scene, simulate
+from fenics_yeast.geometry.curves import Sphere
+from fenics_yeast.geometry.intervals import Interval
+from fenics_yeast.mechanics import growth_laws
+from fenics_yeast.mechanics import hyperelasticity as wall
+from fenics_yeast.mechanics.laws import Law
+from fenics_yeast.mechanics.shell import Shell
 from fenics_yeast.simulation import build_shell
-from fenics_yeast.zones import Interval
+from fenics_yeast.simulation.discretise import Discretisation
+from fenics_yeast.simulation.result import Result, Status
+from fenics_yeast.solve.equilibrium import Equilibrium
+from fenics_yeast.solve.runge_kutta import TABLEAUX
+from fenics_yeast.solve.time_stepper import Evolution
 
 EDGE = R * np.pi * (1 - 24 / 180)  # arc length at the edge of the growing zone, µm
 

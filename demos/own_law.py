@@ -8,8 +8,8 @@ from pathlib import Path
 import ufl
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.laws import Law
-from fenics_yeast.plots import Curve, volumes
+from fenics_yeast.figures.run_figures import Curve, volumes
+from fenics_yeast.mechanics.laws import Law
 
 
 def fung(eps_e, c, a):

@@ -14,8 +14,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.meridian import discretise
-from fenics_yeast.septum import pieces
+from fenics_yeast.simulation.discretise import discretise
+from fenics_yeast.simulation.separation import pieces
 
 CUT = 85.0
 bud = Scene.load(Path(__file__).parent / "scenes" / "bud.toml").with_values({"numerics": {}})

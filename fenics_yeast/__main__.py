@@ -1,5 +1,5 @@
 """`python -m fenics_yeast` is the command `fenics-yeast`."""
 
-from .cli import main
+from .command.main import main
 
 main()

@@ -11,16 +11,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scene_texts import SMALL
+from support.ranks import RANKS
+from support.scenes import SMALL
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast import _dolfinx as dx
-from fenics_yeast.record import Result
 from fenics_yeast.scene import Cell, Growth, Numerics, Run, Turgor, Wall, Zone, parse_assignment
+from fenics_yeast.simulation.result import Result
 
 DATA = Path(__file__).parent / "data"
 # The container, which takes all from Debian, is spared the size of VTK; `make test` brings it.
-collect_ignore = [] if find_spec("vtkmodules") else ["test_surface.py"]
+collect_ignore = [] if find_spec("vtkmodules") else ["figures/test_surface.py"]
 
 
 Table = list[dict[str, str]]
@@ -158,19 +159,6 @@ def bud_run(reference_run: Callable[[str, int], SimpleNamespace]) -> Result:
 def one_cell():
     """A mesh of one cell on one rank, on which functions of constants can be evaluated."""
     return dx.interval_mesh(dx.MPI.COMM_SELF, np.array([0.0, 1.0]))
-
-
-RANKS = {
-    "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    "OMPI_MCA_mpi_yield_when_idle": "1",
-    "OMPI_MCA_btl": "^tcp,ofi",  # through memory, whatever the network of this machine
-    "OMPI_MCA_hwloc_base_binding_policy": "none",  # else all runs wait for the first cores
-    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",  # PRTE: Open MPI 5
-    "PRTE_MCA_hwloc_default_binding_policy": "none",
-    "OMP_NUM_THREADS": "1",
-}
 
 
 @pytest.fixture

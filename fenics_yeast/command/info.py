@@ -1,0 +1,128 @@
+"""Whether this installation works: what it finds, and what to do about what is missing."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+# In a process of its own, which may die of whatever is wrong; it compiles into an empty folder.
+_TRIAL = """
+import json, sys, time
+from fenics_yeast import _dolfinx as dx
+import dolfinx, numpy, ufl
+began = time.perf_counter()
+mesh = dx.interval_mesh(dx.MPI.COMM_SELF, numpy.array([0.0, 1.0]))
+one = dx.fem.Constant(mesh, 1.0)
+length = dx.assemble_scalar(dx.compile_form(one * ufl.dx(mesh)), mesh.comm)
+assert abs(length - 1) < 1e-12, length
+print(json.dumps({
+    "seconds": time.perf_counter() - began,
+    "dolfinx": dolfinx.__version__,
+    "petsc": ".".join(map(str, dx.PETSc.Sys.getVersion())),
+    "mpi": dx.MPI.Get_library_version().splitlines()[0].split(",")[0].strip(),
+}))
+"""
+_PATIENCE = 300  # seconds for the trial
+_NAME = re.compile(r"[\w.-]+")  # of a library, before its version
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that has been looked at.
+
+    Attributes
+    ----------
+    subject, text
+        What it is, and what was found.
+    works
+        Whether a run can do with it.
+    """
+
+    subject: str
+    text: str
+    works: bool = True
+
+
+def examine() -> Iterator[Finding]:
+    """Look at all that a run needs; imports dolfinx and compiles a form, in another process."""
+    from importlib.metadata import version
+
+    yield Finding("fenics-yeast", f"{version('fenics-yeast')} in {Path(__file__).parent}")
+    yield Finding("Python", f"{platform.python_version()}, {sys.executable}")
+    yield _libraries()
+    yield _cache()
+    yield from _trial()
+    mpirun = shutil.which("mpirun")
+    yield Finding("mpirun", mpirun or "not found; runs on one core and sweeps need none")
+    ffmpeg = shutil.which("ffmpeg")
+    yield Finding("ffmpeg", ffmpeg or "not found; films are GIF alone")
+
+
+def _libraries() -> Finding:
+    """What pip has to bring, by the package's own list."""
+    from importlib.metadata import PackageNotFoundError, requires, version
+
+    found, missing = [], []
+    for line in requires("fenics-yeast") or []:
+        name = _NAME.match(line)
+        if name is None or "extra ==" in line:
+            continue
+        try:
+            found.append((name[0], version(name[0])))
+        except PackageNotFoundError:
+            missing.append(line)
+    if missing:
+        # dolfinx was built for the NumPy that is there: pip must not bring another one.
+        held = [f"numpy=={number}" for name, number in found if name == "numpy"]
+        advice = shlex.join([sys.executable, "-m", "pip", "install", *missing, *held])
+        return Finding("libraries", f"missing: {', '.join(missing)}; run: {advice}", works=False)
+    return Finding("libraries", ", ".join(map(" ".join, found)))
+
+
+def _cache() -> Finding:
+    """The folder of compiled forms. One that cannot be used costs time, and no more."""
+    from .. import _form_cache
+
+    place = _form_cache.folder()
+    files = [path for path in place.rglob("*.so") if path.is_file()]
+    size = sum(path.stat().st_size for path in files) / 1e6
+    return Finding("form cache", f"{place}, {len(files)} compiled forms, {size:.1f} MB")
+
+
+def _trial() -> Iterator[Finding]:
+    found, problem = _try_out()
+    if found is None:
+        yield Finding("dolfinx", problem, works=False)
+        return
+    yield Finding("dolfinx", f"{found['dolfinx']}, PETSc {found['petsc']}")
+    yield Finding("MPI", found["mpi"])
+    yield Finding("compiler", f"a form compiled and evaluated in {found['seconds']:.1f} s")
+
+
+def _try_out() -> tuple[dict[str, Any] | None, str]:
+    """What the trial found, or the last line of its complaint."""
+    with tempfile.TemporaryDirectory(prefix="fenics-yeast-") as folder:
+        environment = os.environ | {"XDG_CACHE_HOME": folder}
+        try:
+            done = subprocess.run(
+                [sys.executable, "-c", _TRIAL], env=environment, capture_output=True, text=True,
+                timeout=_PATIENCE, check=False,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return None, f"no form was compiled within {_PATIENCE} s"
+    if done.returncode == 0:
+        return json.loads(done.stdout.splitlines()[-1]), ""
+    lines = done.stderr.strip().splitlines() or [f"its process ended with {done.returncode}"]
+    last = lines[-1].partition(": ")
+    return None, last[2] or last[0]

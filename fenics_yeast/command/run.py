@@ -1,0 +1,59 @@
+"""What `fenics-yeast run` does: a run into a folder, its figures and its error bars."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from ..output import Job, Screen
+from ..scene import Scene
+from ..simulation import Result
+
+
+def run_completely(
+    path: Path,
+    scene: Scene,
+    *,
+    screen: Screen | None = None,
+    began: float | None = None,
+    with_error_bars: bool = False,
+    resume: bool = False,
+) -> Result:
+    """Run a scene into a folder, with figures and, where asked for, error bars of the volume.
+
+    Parameters and errors are those of `Job`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If figures or runs for the error bars are interrupted: the folder holds all but those.
+    """
+    with Job(path, scene, screen=screen, began=began, resume=resume) as job:
+        if job.ended is not None and (job.ended.error_bars or not with_error_bars):
+            job.announce_ended()
+            return job.ended
+        result = job.run()
+        job.complete(result, lambda: _draw(path, scene, result))
+        if not with_error_bars or result.status == "interrupted":
+            return result
+
+        def refined() -> Result:
+            from ..studies import estimate_error_bars
+
+            announce = screen.refining if screen is not None and job.comm.rank == 0 else None
+            bars = estimate_error_bars(
+                scene, result, announce=announce, observer=job.interrupts, comm=job.comm
+            )
+            return replace(result, error_bars=bars)
+
+        full = job.extend(result, refined, "error bars")
+        job.complete(full, lambda: _draw(path, scene, full))
+        return full
+
+
+def _draw(path: Path, scene: Scene, result: Result) -> None:
+    from ..figures import draw, write_surfaces
+
+    if len(result.profiles):
+        write_surfaces(path, scene, result.profiles)
+    draw(path, scene, result.history, result.profiles, result.status, result.error_bars)

@@ -1,0 +1,175 @@
+"""What a run shows while it goes and when it ends: on a terminal, and elsewhere."""
+
+from __future__ import annotations
+
+import os
+import sys
+from math import isnan
+from typing import TYPE_CHECKING, Self
+
+from .time_left import TimeLeft, duration
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ..scene import Scene
+    from ..simulation import ErrorBars, Profile, Result, Row
+
+
+class Lines:
+    """A plain line for each saved time."""
+
+    def __init__(self) -> None:
+        self._row: Row | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return
+
+    def accepted(self, row: Row) -> None:
+        """Keep the row for the line."""
+        self._row = row
+
+    def saved(self, profile: Profile) -> None:
+        """Print the line."""
+        if self._row is not None:
+            print_line(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
+
+    def taken_up(self, row: Row, rows: int) -> None:
+        """Say where the run goes on."""
+        self.note(_taken_up(row, rows))
+
+    def note(self, line: str) -> None:
+        """Print a line."""
+        print_line(line)
+
+    def refining(self, part: str) -> None:
+        """Nothing: the lines at the end have it."""
+
+    def summary(self, result: Result, place: str) -> None:
+        """Say what the error bars are, how the run ended and where its files are."""
+        if result.error_bars is not None:
+            for cells in [_HEADINGS, *_rows(result.error_bars)]:
+                print_line("  ".join(f"{cell:>16}" for cell in cells))
+            if result.error_bars.message:
+                print_line(result.error_bars.message)
+        print_line(f"{result.status}, see {place}")
+
+
+class ProgressLine:
+    """A line with bar, time, volume and time left, and a table at the end, by rich."""
+
+    def __init__(self, scene: Scene) -> None:
+        from rich.console import Console
+        from rich.progress import (
+            BarColumn,
+            Progress,
+            SpinnerColumn,
+            TextColumn,
+        )
+
+        self._scene = scene
+        self._console = Console(highlight=False)
+        self._end = scene.run.end if scene.run else None
+        self._left = TimeLeft(self._end) if self._end else None
+        self._progress = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[state]}"),
+            TextColumn("{task.fields[left]}"),
+            console=self._console,
+            transient=True,
+        )
+        self._task = self._progress.add_task(scene.name, total=None, state="setting up", left="")
+
+    def __enter__(self) -> Self:
+        self._progress.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._progress.stop()
+
+    def accepted(self, row: Row) -> None:
+        """Bring the line up to an accepted state."""
+        left, state = "", f"V/V0 = {row.volume_ratio:.4f}"
+        if self._left is not None:
+            seconds = self._left.accepted(row.time_min)
+            left = "" if seconds is None else f"about {duration(seconds)} left"
+            state = f"{row.time_min:.1f} of {self._end:g} min   {state}"
+        self._progress.update(
+            self._task, total=self._end, completed=row.time_min, state=state, left=left
+        )
+
+    def saved(self, profile: Profile) -> None:
+        """Nothing: the table at the end has it."""
+
+    def taken_up(self, row: Row, rows: int) -> None:
+        """Say where the run goes on, and show the bar from there."""
+        self.note(_taken_up(row, rows))
+        self._progress.update(self._task, total=self._end, completed=row.time_min)
+
+    def note(self, line: str) -> None:
+        """Print a line above the bar."""
+        self._console.print(line)
+
+    def refining(self, part: str) -> None:
+        """Say what the error bars are waiting for."""
+        state = f"error bars: {part.replace('_', ' ')} refined"
+        self._progress.update(self._task, total=None, state=state, left="")
+
+    def summary(self, result: Result, place: str) -> None:
+        """Show the volumes at the saved times, how the run ended and where its files are."""
+        from rich import box
+        from rich.table import Table
+
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+        headings = ["time (min)", "V/V0", "height (µm)"]
+        if self._scene.growth is not None:
+            headings += ["bud radius (µm)", "neck radius (µm)"]
+        for heading in headings:
+            table.add_column(heading, justify="right")
+        for profile in result.profiles:
+            row = result.history.at(profile.time)
+            lengths = (row.pole_height_um, row.bud_radius_um, row.neck_radius_um)
+            cells = [
+                f"{profile.time:.4g}",
+                f"{row.volume_ratio:.6f}",
+                *map("{:.3f}".format, lengths),
+            ]
+            table.add_row(*cells[: len(headings)])
+        self._console.print(table)
+        if result.error_bars is not None:
+            table = Table(*_HEADINGS, title="errors of V/V0", box=box.SIMPLE_HEAD, pad_edge=False)
+            for column in table.columns:
+                column.justify = "right"
+            for cells in _rows(result.error_bars):
+                table.add_row(*cells)
+            self._console.print(table)
+            if result.error_bars.message:
+                self._console.print(result.error_bars.message)
+        self._console.print(f"{result.status}, see {place}")
+
+
+_HEADINGS = ("time (min)", "time steps", "mesh", "thickness points", "shear penalty", "total")
+
+
+def _taken_up(row: Row, rows: int) -> str:
+    return f"goes on from {row.time_min:.6g} min, row {rows} of the history"
+
+
+def _rows(bars: ErrorBars) -> Iterator[list[str]]:
+    """Error bars in words, a row for each time."""
+    for time, *errors in zip(*bars.columns().values(), strict=True):
+        yield [f"{time:.4g}", *("unknown" if isnan(e) else f"{e:.1e}" for e in errors)]
+
+
+def print_line(line: str) -> None:
+    """Print at once; a reader that has gone away does not end the run."""
+    try:
+        print(line, flush=True)
+    except BrokenPipeError:
+        # Python would complain once more when it flushes at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

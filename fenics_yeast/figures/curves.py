@@ -1,0 +1,238 @@
+"""Curves of runs: the volume in time, and the pressure along static paths."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import Scene
+from ..simulation import ErrorBars, History, Status
+from .style import COLOURS, FINER, figure_of
+from .wall_fields import hermite
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A run in a figure of several.
+
+    Attributes
+    ----------
+    label
+        Its name in the legend.
+    history
+        Its volume in time.
+    status
+        How it ended; None while it goes on.
+    """
+
+    label: str
+    history: History
+    status: Status | None = "finished"
+
+
+def volume(
+    history: History,
+    scene: Scene,
+    path: Path,
+    status: Status | None = "finished",
+    error_bars: ErrorBars | None = None,
+) -> None:
+    """Draw V/V0 against time with the saved times marked; where equilibrium is lost, say so.
+
+    Error bars become a band that is told in numbers too: most are thinner than the line.
+    """
+    with _volume_axes(path) as axes:
+        curve = Curve(scene.title, history, status)
+        _draw_volume(axes, curve, COLOURS[0])
+        saved = np.isin(history.time_min, scene.run.save if scene.run else ())
+        axes.plot(
+            history.time_min[saved], history.volume_ratio[saved], "o", color=COLOURS[0], ms=4.5
+        )
+        axes.set_title(curve.label)
+        if error_bars is not None:
+            _draw_band(axes, history, error_bars)
+
+
+def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str = "") -> None:
+    """Draw V/V0 of several runs against time: the paper's Figures 5 and 6.
+
+    Parameters
+    ----------
+    curves
+        The runs, in the order of the legend.
+    path
+        PNG, PDF or SVG file; its folder is made where missing.
+    title, heading
+        Of the figure, and of its legend.
+    """
+    colours = _colours(len(curves))
+    with _volume_axes(path) as axes:
+        for curve, colour in zip(curves, colours, strict=True):
+            _draw_volume(axes, curve, colour, note=len(curves) <= len(COLOURS))
+        axes.set_title(title)
+        _explain(axes, curves, heading, "upper left")
+
+
+def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str = "") -> None:
+    """Draw the pressure along several static paths against V/V0; see `volumes`."""
+    with _path_axes(path) as axes:
+        for curve, colour in zip(curves, _colours(len(curves)), strict=True):
+            _draw_pressure(axes, curve.history, colour, curve.label)
+        axes.set_title(title)
+        _explain(axes, curves, heading, "lower right")
+
+
+def pressure(history: History, scene: Scene, path: Path) -> None:
+    """Draw the pressure along a static path against V/V0; what is unstable is dashed."""
+    with _path_axes(path) as axes:
+        _draw_pressure(axes, history, COLOURS[0], "stable", "unstable at given pressure")
+        if not history.stable.all():
+            axes.legend(loc="lower right")
+        axes.set_title(scene.title)
+
+
+def force(history: History, scene: Scene, path: Path) -> None:
+    """Draw the force along a static path against its displacement; what is unstable is dashed."""
+    with _path_axes(path, "displacement (µm)", "force (µN)") as axes:
+        _draw_path(
+            axes, history.displacement_um, history.force_uN, history.stable, COLOURS[0],
+            "stable", "unstable at given force",
+        )  # fmt: skip
+        if not history.stable.all():
+            axes.legend(loc="best")
+        axes.set_title(scene.title)
+
+
+@contextmanager
+def _volume_axes(path: Path) -> Iterator[Axes]:
+    """Axes of V/V0 against time, the only ones of a figure."""
+    with figure_of(path, 4.8, 3.4) as figure:
+        axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
+        yield axes
+        axes.set_xlabel("time (min)")
+        axes.set_ylabel("volume V/V₀")
+        axes.set_xlim(left=0)
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+
+
+@contextmanager
+def _path_axes(path: Path, of: str = "volume V/V₀", load: str = "pressure (MPa)") -> Iterator[Axes]:
+    """Axes of a load against what it works on, the only ones of a figure."""
+    with figure_of(path, 4.8, 3.4) as figure:
+        axes = figure.add_axes((0.15, 0.14, 0.82, 0.77))
+        yield axes
+        axes.set_xlabel(of)
+        axes.set_ylabel(load)
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+
+
+def _draw_pressure(
+    axes: Axes, history: History, colour: Any, label: str, unstable: str = "_nolegend_"
+) -> None:
+    """Draw pressure against volume."""
+    V, p = history.volume_ratio, history.pressure_MPa
+    _draw_path(axes, V, p, history.stable, colour, label, unstable)
+
+
+def _draw_path(
+    axes: Axes,
+    x: Array,
+    y: Array,
+    stable: NDArray[np.bool_],
+    colour: Any,
+    label: str,
+    unstable: str,
+) -> None:
+    """Draw a path in pieces, those that are unstable dashed."""
+    stable = stable.astype(bool)
+    ends = stable[1:] & stable[:-1]  # of each piece
+    for style, name, pieces in (("-", label, ends), ("--", unstable, ~ends)):
+        gaps = np.where(pieces, 0.0, np.nan)
+        # A piece and the one after it share a point, which either of them shows.
+        shown = np.fmin(np.append(gaps, np.nan), np.append(np.nan, gaps))
+        if pieces.any():
+            axes.plot(x, y + shown, style, color=colour, label=name)
+
+
+def _colours(count: int) -> list[Any]:
+    """A colour for each of several curves: told apart by hue, or in order where they are many."""
+    if count <= len(COLOURS):
+        return list(COLOURS[:count])
+    from matplotlib import colormaps
+
+    return list(colormaps["viridis"](np.linspace(0.92, 0.0, count)))
+
+
+def _explain(axes: Axes, curves: Sequence[Curve], heading: str, place: str) -> None:
+    """Set a legend; of many curves it names some, evenly spread."""
+    handles, labels = axes.get_legend_handles_labels()
+    named = np.linspace(0, len(handles) - 1, min(len(handles), len(COLOURS))).round().astype(int)
+    handles, labels = [handles[i] for i in named], [labels[i] for i in named]
+    if len(curves) > len(COLOURS) and any(curve.status == "no-equilibrium" for curve in curves):
+        handles += axes.plot([], [], "x", color="0.4", ms=5, mew=1.8)
+        labels.append("equilibrium lost")
+    axes.legend(handles, labels, title=heading or None, loc=place, alignment="left")
+
+
+def smooth(history: History) -> tuple[Array, Array]:
+    """Time and volume ratio, curved between the rows where the pressure stands still."""
+    time, ratio = history.time_min, history.volume_ratio
+    held = np.flatnonzero(history.pressure_MPa == history.pressure_MPa[-1])
+    first = held[0] if len(held) else len(time)
+    if len(time) - first < 3 or np.any(np.diff(held) != 1):
+        return time, ratio
+    # Against the length of the drawn curve, which stays smooth where the volume runs away.
+    t, V = time[first:], ratio[first:]
+    lengths = np.hypot(np.diff(t) / np.ptp(t), np.diff(V) / (np.ptp(V) or 1.0))
+    s = np.append(0.0, np.cumsum(lengths))
+    t, V = (hermite(x, lengths, np.gradient(x, s, edge_order=2), FINER) for x in (t, V))
+    return np.append(time[:first], t), np.append(ratio[:first], V)
+
+
+def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
+    """Draw estimated errors about the curve, from nothing at the start to the last known one."""
+    known = ~np.isnan(bars.total) & (bars.time_min > 0)
+    times, total = bars.time_min[known], bars.total[known]
+    if not len(times):
+        return
+    time, ratio = smooth(history)
+    covered = time <= times[-1]
+    time, ratio = time[covered], ratio[covered]
+    error = np.interp(time, [0.0, *times], [0.0, *total])
+    axes.fill_between(time, ratio - error, ratio + error, color=COLOURS[1], alpha=0.45, lw=0)
+    at = history.at(times[-1]).volume_ratio
+    axes.errorbar(
+        times, [history.at(t).volume_ratio for t in times], total, color=COLOURS[1], fmt="none",
+        capsize=4, lw=1.2, zorder=3,
+    )  # fmt: skip
+    axes.annotate(
+        f"± {total[-1]:.2g}", (times[-1], at), (-8, 0), textcoords="offset points",
+        ha="right", va="center", color=COLOURS[1], fontsize=8,
+    )  # fmt: skip
+
+
+def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> None:
+    """Draw a curve and mark where its run lost equilibrium; with a note, say when."""
+    history = curve.history
+    axes.plot(*smooth(history), color=colour, label=curve.label)
+    if curve.status == "no-equilibrium" and len(history):
+        time, ratio = history.time_min[-1], history.volume_ratio[-1]
+        axes.plot([time], [ratio], "x", color=colour, ms=7 if note else 5, mew=1.8)
+        if note:
+            axes.annotate(
+                f"equilibrium lost\nat {time:.1f} min", (time, ratio), (-8, -2),
+                textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
+            )  # fmt: skip

@@ -1,0 +1,121 @@
+"""Stress and growth strain along the meridian at the saved times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import Scene
+from ..simulation import Profile, Profiles, discretise
+from .style import figure_of
+from .wall_fields import mean, zone_numbers
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+_MOST_CURVES = 7
+_AROUND = 0.75  # what is shown beside the growing zone, over the zone's length
+
+
+def meridian(profiles: Profiles, scene: Scene, path: Path) -> None:
+    """Draw Cauchy stress and growth strain, means through the wall, against reference arc length.
+
+    Stresses beyond twice the threshold have a logarithmic scale: in the neck they are large.
+    Where a part of the wall grows, that part and its surroundings are shown. Of more than 7
+    profiles 7 are drawn, spread evenly from the first to the last.
+
+    Parameters
+    ----------
+    profiles
+        What to draw, at least one.
+    scene
+        What was run.
+    path
+        PNG, PDF or SVG file; its folder is made where missing.
+    """
+    from matplotlib import colormaps
+    from matplotlib.lines import Line2D
+
+    count = min(len(profiles), _MOST_CURVES)
+    chosen = np.linspace(0, len(profiles) - 1, count).round().astype(int)
+    drawn = [profiles.all[i] for i in chosen]
+    shades = np.linspace(0.85, 0.0, count) if count > 1 else [0.3]
+    colours = list(colormaps["viridis"](shades))
+    grows = scene.growth is not None
+    height = 4.6 if grows else 2.7
+    with figure_of(path, 5.8, height) as figure:
+        panels = figure.subplots(2 if grows else 1, 1, sharex=True, squeeze=False)[:, 0]
+        figure.subplots_adjust(0.11, 0.5 / height, 0.78, 1 - 0.3 / height, hspace=0.12)
+        _draw(panels[0], scene, drawn, [mean(p, p.stress) for p in drawn], colours)
+        panels[0].set_ylabel("Cauchy stress (MPa)")
+        panels[0].set_title(scene.title)
+        if grows:
+            _draw(panels[1], scene, drawn, [mean(p, p.growth_strain) for p in drawn], colours)
+            panels[1].set_ylabel("growth strain")
+            _scale(panels[0], [mean(p, p.stress) for p in drawn], scene)
+        for axes in panels:
+            axes.grid(color="0.9", linewidth=0.6)
+            axes.set_axisbelow(True)
+            _mark_zones(axes, scene)
+        panels[-1].set_xlabel("arc length of the unloaded meridian from the bottom (µm)")
+        lines = [Line2D([], [], color=colour) for colour in colours]
+        labels = [f"{profile.time:.4g} min" for profile in drawn]
+        if scene.run is None:
+            lines, labels = [], []
+        kinds = [("meridional", "-", "black"), ("hoop", "--", "black")]
+        kinds += [("threshold", ":", "0.4")] if grows else []
+        for label, style, colour in kinds:
+            lines.append(Line2D([], [], color=colour, ls=style, lw=1.2))
+            labels.append(label)
+        panels[0].legend(lines, labels, loc="upper left", bbox_to_anchor=(1.01, 1.0))
+
+
+def _draw(
+    axes: Axes,
+    scene: Scene,
+    profiles: Sequence[Profile],
+    values: Sequence[Array],
+    colours: Sequence[Any],
+) -> None:
+    """Draw meridional and hoop components against the points' arc length, cut at zones' edges."""
+    S = profiles[0].S_points
+    cuts = np.flatnonzero(np.diff(zone_numbers(scene, S))) + 1
+    for components, colour in zip(values, colours, strict=True):
+        for i, style in enumerate(("-", "--")):
+            broken = np.insert(components[:, i], cuts, np.nan)
+            axes.plot(np.insert(S, cuts, np.nan), broken, style, color=colour, lw=1.2)
+
+
+def _scale(axes: Axes, stresses: Sequence[Array], scene: Scene) -> None:
+    """Mark the thresholds and scale the axis of stress, linear about them."""
+    thresholds = {growth.threshold for growth in scene.growing}
+    for threshold in thresholds:
+        axes.axhline(threshold, color="0.4", lw=0.8, ls=":")
+    axes.set_yscale("symlog", linthresh=2 * max(thresholds), linscale=1.5)
+    low = min(0.0, 1.2 * min(float(stress.min()) for stress in stresses))
+    high = 1.3 * max(float(stress.max()) for stress in stresses)
+    unit = 10.0 ** np.floor(np.log10(max(thresholds)))
+    sizes = [factor * unit * 10**power for power in range(6) for factor in (1, 2, 5)]
+    ticks = [tick for size in sizes for tick in (-size, size) if low <= tick <= high]
+    axes.set_yticks([0.0, *ticks], [f"{tick:g}" for tick in [0.0, *ticks]])
+    axes.set_ylim(low, high)
+
+
+def _mark_zones(axes: Axes, scene: Scene) -> None:
+    """Shade what grows, and look at it and its surroundings."""
+    if scene.growth is None:
+        return
+    discretisation = discretise(scene)
+    parts = discretisation.growing
+    for part in parts:
+        axes.axvspan(part.start, part.end, color="0.95", lw=0, zorder=0)
+    first, last = min(part.start for part in parts), max(part.end for part in parts)
+    beside = _AROUND * (last - first)
+    length = discretisation.curve.length
+    axes.set_xlim(max(0.0, first - beside), min(length, last + beside))

@@ -1,0 +1,162 @@
+"""Growth strains of the growing cells: their storage, their rate, and the implicit update.
+
+An implicit stage of a time step asks at every point for the growth strain of
+
+    ε^g = base + stage · rate(τ(ε - ε^g), ε, ε^g)
+
+The update, its consistent derivative and the rate are compiled from one growth law in UFL.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+from .. import _dolfinx as dx
+from . import growth_laws as growth
+from . import hyperelasticity as wall
+from .growth_weights import WeightField
+
+Array = NDArray[np.float64]
+
+_STILL = 1e-6  # a change of the growth strain after which Newton's method leaves its square
+_MOST_ITERATIONS = 60
+_PATIENCE = 6  # full steps between two halved ones
+
+
+class GrowthState:
+    """Growth strains at the quadrature points of the growing cells.
+
+    Parameters
+    ----------
+    mesh
+        Interval mesh of the wall.
+    cells
+        Local growing cells, ghosts among them; those of no other cell are touched.
+    degree
+        Degree of the quadrature rule of the wall.
+    eps
+        Total logarithmic strains at each thickness point, UFL vectors.
+    material, growth_rate
+        Material of the wall and rate of growth.
+    weights
+        Weights that the rate holds.
+
+    Attributes
+    ----------
+    eps_g, base
+        Trial growth strains and those without the implicit part of the stage, quadrature
+        functions of ``2 len(eps)`` numbers.
+    stage
+        Length in min of the implicit part of the stage, `a Δt`.
+    span
+        Times in min between which growth is as it is now.
+    """
+
+    def __init__(
+        self,
+        mesh: Any,
+        cells: NDArray[np.int32],
+        degree: int,
+        eps: Sequence[Any],
+        material: wall.Material,
+        growth_rate: growth.GrowthRate,
+        weights: Sequence[WeightField] = (),
+    ) -> None:
+        space = dx.quadrature_space(mesh, 2 * len(eps), degree)
+        self.eps_g, self.base = dx.fem.Function(space), dx.fem.Function(space)
+        self._trial, self._base = self.eps_g.x.array, self.base.x.array
+        self.stage = dx.fem.Constant(mesh, np.float64(0))
+        self.span = (0.0, 0.0)
+        self._mesh, self._cells, self._weights = mesh, cells, weights
+        self._dofs = dx.dof_array(space)[cells]
+
+        self.points: list[growth.WallPoint] = []
+        self.rates: list[Any] = []
+        self.by_strain: list[Any] = []  # dε^g/dε of the update, 2 by 2
+        self.by_stage: list[Any] = []  # its derivative by the stage's length
+        steps = []
+        for j, strain in enumerate(eps):
+            eps_j = ufl.variable(strain)
+            eps_g = ufl.variable(self.strain(j))
+            base = ufl.as_vector([self.base[2 * j], self.base[2 * j + 1]])
+            tau, eps_3 = material.stress(eps_j, eps_g), material.thickness_strain(eps_j, eps_g)
+            point = growth.WallPoint(tau, eps_j, eps_g, eps_3)
+            rate = growth_rate(point)
+            residual = eps_g - base - self.stage * rate
+            inverse = ufl.inv(ufl.diff(residual, eps_g))
+            self.points.append(point)
+            self.rates.append(rate)
+            self.by_strain.append(-inverse * ufl.diff(residual, eps_j))
+            self.by_stage.append(inverse * rate)
+            steps.append(eps_g - inverse * residual)
+        points = dx.quadrature_points(degree)
+        self._newton_step = dx.compile_expression(_flatten(steps), points)
+        self._rate = dx.compile_expression(_flatten(self.rates), points)
+
+    def strain(self, j: int) -> Any:
+        """Trial growth strains at thickness point j, a UFL vector."""
+        return ufl.as_vector([self.eps_g[2 * j], self.eps_g[2 * j + 1]])
+
+    def get(self) -> Array:
+        """Copy of the trial growth strains of the growing cells, ``(cells, 2 n points)``."""
+        return self._trial[self._dofs]
+
+    def set(self, values: Array) -> None:
+        """Set the trial growth strains of the growing cells."""
+        self._trial[self._dofs] = values
+
+    def get_base(self) -> Array:
+        """Copy of the growth strains from which the implicit part of a stage starts."""
+        return self._base[self._dofs]
+
+    def set_base(self, values: Array) -> None:
+        """Set the growth strains from which the implicit part of a stage starts."""
+        self._base[self._dofs] = values
+
+    def during(self, start: float, end: float) -> None:
+        """Let growth be as between two times in min; at one time, as right after it."""
+        self.span = (start, end)
+        for weight in self._weights:
+            weight.during(start, end)
+
+    def rate(self) -> Array:
+        """Rate of the growth strains in the trial state, 1/min, in the layout of `get`."""
+        self.follow()
+        return self._evaluate(self._rate)
+
+    def update(self) -> bool:
+        """Solve the stage equation at every point for the trial strains; False if it fails."""
+        self.follow()
+        current = start = self.get()
+        for iteration in range(_MOST_ITERATIONS):
+            following = self._evaluate(self._newton_step)
+            change = np.abs(following - current).max(initial=0.0)
+            if change < _STILL:
+                self.set(following)
+                return True
+            if not np.isfinite(change):
+                break
+            if iteration % _PATIENCE == _PATIENCE - 1:
+                # At the threshold full steps can go to and fro between its two sides.
+                following = (following + current) / 2
+            self.set(following)
+            current = following
+        self.set(start)  # from which a smaller change of the strain may be followed
+        return False
+
+    def follow(self) -> None:
+        """Bring weights that follow the wall up to the trial state."""
+        for weight in self._weights:
+            weight.update()
+
+    def _evaluate(self, expression: Any) -> Array:
+        return dx.evaluate(expression, self._mesh, self._cells)
+
+
+def _flatten(vectors: Sequence[Any]) -> Any:
+    return ufl.as_vector([vector[i] for vector in vectors for i in range(2)])

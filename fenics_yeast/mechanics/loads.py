@@ -1,0 +1,60 @@
+"""A dead force along the axis at a node of the meridian."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _dolfinx as dx
+
+Array = NDArray[np.float64]
+
+
+class NodalForce:
+    """A force along the axis, with the potential `-F u_z / 2π` beside that of the wall.
+
+    Parameters
+    ----------
+    w
+        Trial state of the wall, a function of its space.
+    comm
+        MPI communicator that shares the wall.
+    S
+        Arc length of the node in µm.
+    scale
+        Displacement in µm that counts as small.
+
+    Attributes
+    ----------
+    value
+        The force in µN, positive towards the top.
+    """
+
+    def __init__(self, w: Any, comm: Any, S: float, scale: float) -> None:
+        places, dofs = dx.node_dofs(w.function_space)
+        here = np.abs(places - S) < 1e-9 * max(S, 1.0)
+        self._dofs, self._comm = dofs[here, 1], comm  # none but on the rank that owns the node
+        self._w = w.x.array
+        self.value = self._origin = 0.0
+        self.scale = scale
+
+    def add_to(self, residual: Array) -> None:
+        """Add the force to the residual of the owned unknowns."""
+        residual[self._dofs] -= self.value / (2 * np.pi)
+
+    def direction(self, out: Array) -> None:
+        """Derivative of the displacement by the owned unknowns."""
+        out[:] = 0
+        out[self._dofs] = 1
+
+    def displacement(self) -> float:
+        """Displacement of the node in the trial state, µm; from where `begin` was called."""
+        place = self._comm.allreduce(self._w[self._dofs].sum(), op=dx.MPI.SUM)
+        return float(place) - self._origin
+
+    def begin(self) -> None:
+        """Measure displacements from the trial state on."""
+        self._origin = 0.0
+        self._origin = self.displacement()

@@ -1,0 +1,143 @@
+"""What an output folder holds for a run of a scene to go on from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..scene import Run, Scene, SceneError
+from ..simulation import Checkpoint, CheckpointError, Result, Start
+from ..solve import same_time
+from .folder import CHECKPOINT, OutputError
+from .reading import load_history, load_profiles, load_result, load_scene, load_status
+
+_ANEW = "leave out --resume to run the scene anew"
+
+
+@dataclass(frozen=True)
+class Past:
+    """What an earlier run has left.
+
+    Attributes
+    ----------
+    start
+        Where it can be taken up; None if nowhere.
+    ended
+        What it found, if there is nothing to be added.
+    """
+
+    start: Start | None = None
+    ended: Result | None = None
+
+
+def look_back(directory: Path, scene: Scene) -> Past:
+    """Find out how a scene goes on that was run into a folder before.
+
+    The scene must be the earlier one, but for its title and its `run`: a run goes on to another
+    end, with other saved times ahead.
+
+    Raises
+    ------
+    OutputError
+        If the folder is that of another scene, or damaged.
+    """
+    checkpoint = _load(directory / CHECKPOINT)
+    try:
+        if checkpoint is not None:
+            earlier = Scene.from_toml(checkpoint.scene)
+        elif any(directory.glob("*")):
+            earlier = load_scene(directory)
+        else:
+            return Past()
+    except SceneError:
+        problem = f"{directory}: holds a scene that this version cannot read; {_ANEW}"
+        raise OutputError(problem) from None
+    if (difference := _difference(earlier, scene)) is not None:
+        raise OutputError(
+            f"{directory}: holds a run of another scene, with {difference}; choose another folder"
+        )
+    ended = None
+    if load_status(directory) in ("finished", "no-equilibrium"):
+        ended = load_result(directory)
+    if checkpoint is None:
+        return Past(ended=ended if ended is not None and earlier.run == scene.run else None)
+    start = _start(directory, checkpoint)
+    run, time = scene.run, checkpoint.evolution.time
+    if run is None:
+        return Past(start, ended)
+    _agree(directory, start, run)
+    if ended is not None:
+        reached = time if ended.status == "finished" else ended.end_time
+        beyond = run.end > reached and not same_time(run.end, reached)
+        if beyond == (ended.status == "finished"):
+            ended = None
+    return Past(start, ended)
+
+
+def _load(path: Path) -> Checkpoint | None:
+    try:
+        return Checkpoint.from_bytes(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except CheckpointError as error:
+        raise OutputError(f"{path}: {error}; {_ANEW}") from None
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read: {error.strerror}; {_ANEW}") from None
+
+
+def _start(directory: Path, checkpoint: Checkpoint) -> Start:
+    """Complete a checkpoint by the rows and profiles that it counts."""
+    tally = checkpoint.tally
+    rows = load_history(directory).rows[: tally.rows]
+    profiles = load_profiles(directory).all[: tally.profiles]
+    lacking = None
+    if len(rows) < tally.rows or rows[-1].time_min != checkpoint.evolution.time:
+        lacking = f"row {tally.rows} of the history"
+    elif len(profiles) < tally.profiles:
+        lacking = f"profile {tally.profiles}"
+    if lacking is not None:
+        raise OutputError(f"{directory}: has lost {lacking}, which its checkpoint needs; {_ANEW}")
+    if load_status(directory) is not None:  # what came after the checkpoint took its time too
+        checkpoint = replace(checkpoint, timings=load_result(directory).timings)
+    return Start(checkpoint, tuple(rows), tuple(profiles))
+
+
+def _agree(directory: Path, start: Start, run: Run) -> None:
+    """Refuse a span of time that is behind the run, or should have been saved."""
+    time = start.checkpoint.evolution.time
+    if run.end < time and not same_time(run.end, time):
+        problem = f"has come to {time:g} min already, beyond run.end ({run.end:g} min)"
+        raise OutputError(f"{directory}: {problem}; {_ANEW}")
+    for wanted in run.save:
+        passed = wanted < time or same_time(wanted, time)
+        if passed and not any(same_time(profile.time, wanted) for profile in start.profiles):
+            problem = f"has passed {wanted:g} min, which was not to be saved then"
+            raise OutputError(f"{directory}: {problem}; {_ANEW}")
+
+
+def _difference(earlier: Scene, scene: Scene) -> str | None:
+    """First value in which two scenes differ, but for title and span of time."""
+    old, new = dict(_values(earlier.model_dump())), dict(_values(scene.model_dump()))
+    if (earlier.run is None) != (scene.run is None):
+        return "a [run] table" if scene.run is None else "no [run] table"
+    for key in {**old, **new}:
+        if key == "title" or key.startswith("run."):
+            continue
+        if old.get(key) != new.get(key):
+            was, now = (_text(values.get(key)) for values in (old, new))
+            return f"{key} = {was} in place of {now}"
+    return None
+
+
+def _values(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from _values(value, f"{prefix}{key}.")
+        else:
+            yield prefix + key, value
+
+
+def _text(value: object) -> str:
+    return "none" if value is None else str(value)

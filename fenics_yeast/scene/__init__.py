@@ -1,0 +1,53 @@
+"""What to simulate: the typed tables of a scene file, their units, and the errors in them.
+
+A scene is validated once and frozen; inside it every quantity is a number in µm, MPa and min.
+"""
+
+from __future__ import annotations
+
+from .cell import Cell
+from .errors import SceneError, fields_of, value_of, value_text
+from .growth import Growth, Polarity
+from .load import Load
+from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
+from .run import Control, Run, StaticPath, Until
+from .scene import Scene, parse_assignment, parse_value
+from .septum import Septum
+from .turgor import PressureTable, Turgor
+from .units import Unit
+from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
+from .zone import Zone
+
+__all__ = [
+    "PRESETS",
+    "AnyWall",
+    "Cell",
+    "Control",
+    "Geometry",
+    "Grading",
+    "Growth",
+    "Integrator",
+    "LinearWall",
+    "Load",
+    "Numerics",
+    "OgdenWall",
+    "Polarity",
+    "Preset",
+    "PressureTable",
+    "Run",
+    "Scene",
+    "SceneError",
+    "Septum",
+    "StaticPath",
+    "Turgor",
+    "Unit",
+    "Until",
+    "Wall",
+    "WallZone",
+    "Zone",
+    "fields_of",
+    "parse_assignment",
+    "parse_value",
+    "value_of",
+    "value_text",
+]

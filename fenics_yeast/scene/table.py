@@ -1,0 +1,29 @@
+"""Base of the tables of a scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from .errors import SceneError, explain
+
+
+class Table(BaseModel):
+    """A frozen table of a scene that knows its keys and takes no value of another type."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, hide_input_in_errors=True
+    )
+
+    if not TYPE_CHECKING:
+
+        def __init__(self, **values: Any) -> None:
+            try:
+                super().__init__(**values)
+            except ValidationError as error:
+                problem = explain(type(self), values, error)
+                raise SceneError(f"{type(self).__name__}: {problem}") from None
+
+        # pydantic's mark for an __init__ that adds nothing to validation
+        __init__.__pydantic_base_init__ = True

@@ -1,0 +1,168 @@
+"""The table `[wall]` of a scene: thickness and material of the cell wall."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from .errors import BRANCH
+from .table import Table
+from .units import Length, Pressure, refusal
+from .zone import Zone
+
+_LEAST_EXPONENT = 1e-3  # in size; below it the energy is lost to cancellation
+
+
+class WallZone(Zone):
+    """A part of the wall that is thicker or stiffer than the rest."""
+
+    thickness: Length | None = Field(default=None, gt=0, description="thickness of the wall (µm)")
+    shear_modulus: Pressure | None = Field(
+        default=None, gt=0, description="shear modulus µ, of a wall of one term (MPa)"
+    )
+    modulus_factor: float | None = Field(
+        default=None, gt=0, description="its moduli over those of the rest (1)"
+    )
+
+    @model_validator(mode="after")
+    def _unlike_the_rest(self) -> Self:
+        if self.shear_modulus is not None and self.modulus_factor is not None:
+            allowed = "either shear_modulus or modulus_factor is wanted"
+            raise refusal("", allowed=allowed, key="modulus_factor")
+        if self.thickness is self.shear_modulus is self.modulus_factor is None:
+            allowed = "a zone of the wall has a thickness, a shear_modulus or a modulus_factor"
+            raise refusal("", allowed=allowed)
+        return self
+
+
+class _Wall(Table):
+    """What all walls have in common."""
+
+    thickness: Length = Field(gt=0, description="thickness of the wall (µm)")
+    bending: bool = Field(
+        default=True, description="whether it resists bending; false: a membrane, without rotation"
+    )
+    energy_per: Literal["reference", "grown"] = Field(
+        default="reference", description="volume that the energy is counted per"
+    )
+    thickness_change: Literal["none", "elastic"] = Field(
+        default="none", description="whether the wall thins where it is stretched elastically"
+    )
+    zone: Annotated[tuple[WallZone, ...], Field(strict=False)] = Field(
+        default=(), description="parts of the wall that are unlike the rest"
+    )
+
+    @field_validator("zone")
+    @classmethod
+    def _has_one_modulus(cls, zones: tuple[WallZone, ...]) -> tuple[WallZone, ...]:
+        for i, zone in enumerate(zones):
+            if zone.shear_modulus is not None and "shear_modulus" not in cls.model_fields:
+                allowed = "of this law a modulus_factor is wanted"
+                raise refusal("", allowed=allowed, key=f"{i}.shear_modulus")
+        return zones
+
+    @property
+    def thicknesses(self) -> tuple[float, ...]:
+        """Thickness of each zone, then that of the rest (µm)."""
+        return (*(zone.thickness or self.thickness for zone in self.zone), self.thickness)
+
+
+def _exponent(value: float) -> float:
+    if value == 0:
+        raise refusal("", allowed="any number but 0 is allowed")
+    if abs(value) < _LEAST_EXPONENT:
+        allowed = f"any number but those nearer to 0 than {_LEAST_EXPONENT:g} is allowed"
+        raise refusal("", allowed=allowed)
+    return value
+
+
+class Wall(_Wall):
+    """A wall with the one-term Ogden energy of the paper, equation (9)."""
+
+    law: Literal["ogden"] = Field(default="ogden", description="law of the material")
+    shear_modulus: Pressure = Field(gt=0, description="shear modulus µ (MPa)")
+    ogden_exponent: float = Field(
+        default=2.0, description="Ogden's exponent α, any number but 0 (1)"
+    )
+
+    @field_validator("ogden_exponent")
+    @classmethod
+    def _not_zero(cls, value: float) -> float:
+        return _exponent(value)
+
+
+class OgdenWall(_Wall):
+    """A wall with an Ogden energy of several terms."""
+
+    law: Literal["ogden"] = Field(default="ogden", description="law of the material")
+    shear_moduli: Annotated[tuple[Pressure, ...], Field(strict=False)] = Field(
+        description="modulus of each term; they add up to the shear modulus (MPa)"
+    )
+    ogden_exponents: Annotated[tuple[float, ...], Field(strict=False)] = Field(
+        description="exponent of each term, any number but 0 (1)"
+    )
+
+    @field_validator("shear_moduli")
+    @classmethod
+    def _stiff_at_rest(cls, moduli: tuple[float, ...]) -> tuple[float, ...]:
+        if not sum(moduli) > 0:
+            raise refusal("", allowed="moduli with a sum greater than 0 are wanted")
+        return moduli
+
+    @field_validator("ogden_exponents")
+    @classmethod
+    def _one_for_each_modulus(
+        cls, exponents: tuple[float, ...], info: ValidationInfo
+    ) -> tuple[float, ...]:
+        moduli = info.data.get("shear_moduli")
+        if moduli is not None and len(exponents) != len(moduli):
+            raise refusal("", allowed=f"an exponent for each of the {len(moduli)} moduli is wanted")
+        return tuple(map(_exponent, exponents))
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus at small strain (MPa)."""
+        return sum(self.shear_moduli)
+
+
+class LinearWall(_Wall):
+    """A wall of St Venant and Kirchhoff: stress linear in the Green-Lagrange strain."""
+
+    law: Literal["linear"] = Field(description="law of the material")
+    young_modulus: Pressure = Field(gt=0, description="Young's modulus E (MPa)")
+    poisson_ratio: float = Field(gt=-1, lt=1, description="Poisson's ratio ν in plane stress (1)")
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus (MPa)."""
+        return self.young_modulus / (2 * (1 + self.poisson_ratio))
+
+
+def _law(value: object) -> str | None:
+    if isinstance(value, _Wall):
+        return f"{BRANCH}{_KINDS[type(value)]}"
+    if not isinstance(value, Mapping):
+        return None
+    law = value.get("law", "ogden")
+    lists = "ogden_exponents" in value and "shear_modulus" not in value
+    terms = law == "ogden" and ("shear_moduli" in value or lists)
+    return f"{BRANCH}ogden terms" if terms else f"{BRANCH}{law}"
+
+
+_KINDS: dict[type[Any], str] = {Wall: "ogden", OgdenWall: "ogden terms", LinearWall: "linear"}
+
+AnyWall = Annotated[
+    Annotated[Wall, Tag(f"{BRANCH}ogden")]
+    | Annotated[OgdenWall, Tag(f"{BRANCH}ogden terms")]
+    | Annotated[LinearWall, Tag(f"{BRANCH}linear")],
+    Discriminator(_law),
+]

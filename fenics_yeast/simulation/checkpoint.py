@@ -1,0 +1,129 @@
+"""All that determines how a run goes on, and its file."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from io import BytesIO
+from typing import Any, Self, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solve import Controller, Count, Memory, Tangent
+from .recorder import Tally
+from .result import Profile, Row, Timings
+
+Values = NDArray[Any]
+
+FORMAT = 1
+_FORMAT, _DIGEST = "format", "sha256"
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a run is taken up: its checkpoint, with the rows and profiles that it counts."""
+
+    checkpoint: Checkpoint
+    rows: tuple[Row, ...]
+    profiles: tuple[Profile, ...]
+
+
+class CheckpointError(Exception):
+    """A checkpoint that cannot be used; the message is the end of a line about its file."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """All that determines how a run goes on from an accepted state.
+
+    The arrays are in the order of `Layout`, the same on any number of ranks.
+
+    Attributes
+    ----------
+    scene
+        The scene as TOML.
+    evolution, tangent, steps, stability
+        The state, and what time integration, solver, step control and count of negative
+        eigenvalues remember.
+    cut
+        Whether fixed steps were cut because longer ones would be unstable.
+    tally
+        How much of the run has been noted.
+    timings
+        Where the time went so far.
+    """
+
+    scene: str
+    evolution: Memory
+    tangent: Tangent | None
+    steps: Controller
+    stability: Count
+    cut: bool
+    tally: Tally
+    timings: Timings
+
+    def to_bytes(self) -> bytes:
+        """Content of a file ``.npz`` that holds all of it."""
+        arrays = dict(_flat(self)) | {_FORMAT: np.array(FORMAT)}
+        content = BytesIO()
+        np.savez(content, **arrays, **{_DIGEST: np.array(_digest(arrays))})
+        return content.getvalue()
+
+    @classmethod
+    def from_bytes(cls, content: bytes) -> Self:
+        """Read what `to_bytes` gave.
+
+        Raises
+        ------
+        CheckpointError
+            If it is damaged or has another version's format.
+        """
+        try:
+            with np.load(BytesIO(content)) as file:
+                arrays = dict(file)
+            found, digest = int(arrays[_FORMAT]), str(arrays.pop(_DIGEST))
+        except Exception:  # NumPy, zip and zlib have many words for a damaged file
+            raise CheckpointError("is damaged") from None
+        if found != FORMAT:
+            raise CheckpointError(f"has format {found}, and this version reads format {FORMAT}")
+        if digest != _digest(arrays):
+            raise CheckpointError("is damaged")
+        return _built(cls, arrays, "")
+
+
+def _digest(arrays: Mapping[str, Values]) -> str:
+    total = hashlib.sha256()
+    for name, values in sorted(arrays.items()):
+        total.update(f"{name} {values.dtype.str} {values.shape} ".encode())
+        total.update(np.ascontiguousarray(values).tobytes())
+    return total.hexdigest()
+
+
+def _flat(record: Any, prefix: str = "") -> Iterator[tuple[str, Values]]:
+    """Arrays of a dataclass by dotted name, those of dataclasses in it among them; no None."""
+    for field in fields(record):
+        name, value = prefix + field.name, getattr(record, field.name)
+        if is_dataclass(value):
+            yield from _flat(value, name + ".")
+        elif value is not None:
+            yield name, np.array(value)
+
+
+def _built(cls: Any, arrays: Mapping[str, Values], prefix: str) -> Any:
+    """Dataclass of the given class from what `_flat` gave."""
+    values: dict[str, Any] = {}
+    for name, hint in get_type_hints(cls).items():
+        key, alternatives = prefix + name, set(get_args(hint)) - {type(None)}
+        kind = alternatives.pop() if type(None) in get_args(hint) else hint
+        if is_dataclass(kind):
+            there = any(found.startswith(key + ".") for found in arrays)
+            values[name] = _built(kind, arrays, key + ".") if there or kind is hint else None
+        elif key not in arrays and kind is not hint:
+            values[name] = None
+        elif get_origin(kind) is tuple:
+            values[name] = tuple(arrays[key].tolist() if arrays[key].ndim == 1 else arrays[key])
+        else:
+            values[name] = kind(arrays[key][()]) if kind in (str, bool, int, float) else arrays[key]
+    return cls(**values)

@@ -1,0 +1,65 @@
+"""A wall that begins where another run has left it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _dolfinx as dx
+from ..mechanics import Shell
+from .result import Profile
+
+Array = NDArray[np.float64]
+
+_NEAR = 1e-9  # of the meridian's length: places that differ by less are the same
+
+
+def take_over(shell: Shell, profile: Profile | None) -> None:
+    """Bring a shell to the state of a profile: positions, director angles and growth strains.
+
+    The shear force is found by the next equilibrium. Collective; rank 0 has the profile.
+
+    Parameters
+    ----------
+    shell
+        The wall, unloaded: that of the profile, or a part of it, on the same nodes.
+    profile
+        The state; read on rank 0 alone.
+
+    Raises
+    ------
+    ValueError
+        If the profile is that of another wall, or has grown where the shell cannot grow.
+    """
+    profile = shell.comm.bcast(profile)
+    assert profile is not None
+    curve = shell.discretisation.curve
+    S, dofs = dx.node_dofs(shell.space)
+    near = _NEAR * curve.length
+    places = _places(S, profile.S, near, "nodes")
+    moved = (profile.r - curve.radius(profile.S), profile.z - curve.height(profile.S),
+             profile.psi - curve.angle(profile.S))  # fmt: skip
+    for i, motion in enumerate(moved[: dofs.shape[1]]):
+        shell.w.x.array[dofs[:, i]] = motion[places]
+    shell.w.x.scatter_forward()
+
+    points = shell.quadrature_S
+    places = _places(points.ravel(), profile.S_points, near, "quadrature points")
+    grown = profile.growth_strain[places].reshape(*points.shape, -1)
+    if grown.shape[-1] != 2 * len(shell.eps):
+        raise ValueError(f"a wall of {len(profile.xi)} thickness points is wanted")
+    rest = np.ones(len(points), dtype=bool)
+    if shell.growth is not None:
+        rest[shell.growing_cells] = False
+        shell.growth.set(grown[shell.growing_cells].reshape(shell.growth.get().shape))
+    if grown[rest].any():
+        raise ValueError("the wall has grown outside of the scene's growing zones")
+
+
+def _places(wanted: Array, known: Array, near: float, what: str) -> NDArray[np.int64]:
+    """Indices of wanted arc lengths among known ones."""
+    after = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
+    nearest = after - (wanted - known[after - 1] < known[after] - wanted)
+    if np.abs(known[nearest] - wanted).max(initial=0.0) > near:
+        raise ValueError(f"the profile has other {what} than the scene: numerics must be the same")
+    return nearest

@@ -1,0 +1,100 @@
+"""What is read off a shell: the numbers of a history row and whole profiles."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+from .. import _dolfinx as dx
+from ..geometry import edges
+from ..mechanics import Shell, WallPoint
+from .result import Profile
+
+Array = NDArray[np.float64]
+
+
+class Sizes(NamedTuple):
+    """Height of the upper above the lower end, largest radius of the growing zones, largest
+    radius at their edges, in µm, and the largest growth strain; 0 for what the wall has not.
+    """
+
+    pole_height: float
+    bud_radius: float
+    neck_radius: float
+    max_growth_strain: float
+
+
+class Probe:
+    """Reads the trial state of a shell; every method is collective over its communicator."""
+
+    def __init__(self, shell: Shell) -> None:
+        self._shell = shell
+        curve, growing = shell.discretisation.curve, shell.discretisation.growing
+        self._S, self._dofs = dx.node_dofs(shell.space)
+        self._R, self._Z = curve.radius(self._S), curve.height(self._S)
+        self._Phi = curve.angle(self._S)
+        near = 1e-9 * curve.length
+        bottom, top = (np.abs(self._S - S) < near for S in shell.discretisation.ends_at)
+        edge = bud = np.zeros(len(self._S), dtype=bool)
+        for zone in growing:
+            bud = bud | (zone.start - near < self._S) & (self._S < zone.end + near)
+        for s in edges(growing, curve):
+            edge = edge | (np.abs(self._S - s) < near)
+        # Of each quantity: reference values at the nodes that count, their displacements, a sign.
+        self._watched = [
+            (self._Z[bottom], self._dofs[bottom, 1], -1),
+            (self._Z[top], self._dofs[top, 1], 1),
+            (self._R[bud], self._dofs[bud, 0], 1),
+            (self._R[edge], self._dofs[edge, 0], 1),
+        ]
+        self._w = shell.w.x.array
+        owned = shell.mesh.topology.index_map(1).size_local
+        self._cells = np.arange(owned, dtype=np.int32)
+        self._fields = dx.compile_expression(
+            self._point_fields(), dx.quadrature_points(shell.degree)
+        )
+
+    def _point_fields(self) -> object:
+        """Strains, Cauchy stresses and growth strains at each thickness point."""
+        values = []
+        for j, eps in enumerate(self._shell.eps):
+            growth = self._shell.growth
+            eps_g = ufl.as_vector([0, 0]) if growth is None else growth.strain(j)
+            material = self._shell.material
+            tau, eps_3 = material.stress(eps, eps_g), material.thickness_strain(eps, eps_g)
+            sigma = tau / WallPoint(tau, eps, eps_g, eps_3).J
+            values += [vector[i] for vector in (eps, sigma, eps_g) for i in range(2)]
+        return ufl.as_vector(values)
+
+    def sizes(self) -> Sizes:
+        """Sizes of the wall in the trial state, the same on all ranks."""
+        values = [sign * (X + self._w[dofs]) for X, dofs, sign in self._watched]
+        if self._shell.growth is not None:
+            values.append(self._shell.growth.get())
+        largest = np.zeros(5)
+        largest[: len(values)] = [v.max(initial=-np.inf) for v in values]
+        self._shell.comm.Allreduce(dx.MPI.IN_PLACE, largest, op=dx.MPI.MAX)
+        below, above, *others = np.where(np.isfinite(largest), largest, 0.0).tolist()
+        return Sizes(above + below, *others)
+
+    def profile(self, time: float) -> Profile | None:
+        """Profile of the wall; None but on rank 0."""
+        shell = self._shell
+        motion = shell.w.x.array[self._dofs]
+        psi = self._Phi + motion[:, 2] if shell.bending else self._Phi
+        nodes = np.column_stack([self._S, self._R + motion[:, 0], self._Z + motion[:, 1], psi])
+        fields = dx.evaluate(self._fields, shell.mesh, self._cells)
+        S = shell.quadrature_S[self._cells]
+        parts = shell.comm.gather((nodes, S.ravel(), fields.reshape(S.size, -1, 3, 2)))
+        if parts is None:
+            return None
+        nodes, S, fields = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
+        nodes, order = nodes[np.argsort(nodes[:, 0])], np.argsort(S)
+        eps, sigma, eps_g = (np.ascontiguousarray(fields[order, :, i]) for i in range(3))
+        S_nodes, r, z, psi = np.ascontiguousarray(nodes.T)
+        if not shell.bending:  # the tangent of the wall, by differences
+            psi = np.unwrap(np.arctan2(*(np.gradient(x, S_nodes, edge_order=2) for x in (z, r))))
+        return Profile(time, S_nodes, r, z, psi, S[order], shell.xi, eps, sigma, eps_g)

@@ -1,0 +1,37 @@
+"""Many runs of a scene: sweeps over parameters, and error bars by refinement.
+
+Cases run side by side in processes or on MPI ranks, each into a directory of its own.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .cases import Case, parse_variation, plan, value_label
+from .execution import run_sweep
+from .table import TABLE, CaseRow
+
+if TYPE_CHECKING:
+    from .error_bars import estimate_error_bars
+
+__all__ = [
+    "TABLE",
+    "Case",
+    "CaseRow",
+    "estimate_error_bars",
+    "parse_variation",
+    "plan",
+    "run_sweep",
+    "value_label",
+]
+
+# What loads dolfinx, by the module that holds it.
+_LATE = {"estimate_error_bars": "error_bars"}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LATE:
+        from importlib import import_module
+
+        return getattr(import_module(f".{_LATE[name]}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

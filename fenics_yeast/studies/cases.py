@@ -1,0 +1,177 @@
+"""Which cases a sweep takes in: the product of lists of values, each case a validated scene."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import product
+from typing import Any, get_args
+
+from pydantic import BaseModel
+
+from ..scene import Scene, SceneError, Unit, fields_of, parse_value, value_of, value_text
+
+_MOST_VALUES = 100_000
+_DIGITS = 12  # that a value of a range keeps: 1.1 rather than 1.0999999999999999
+_PIECES = re.compile(r"\[[^]]*\]|\{[^}]*\}|\"[^\"]*\"|'[^']*'|.", re.DOTALL)
+_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(.*)")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A key of the scene that a sweep varies, as ``growth.time``, and the values it is given."""
+
+    key: str
+    values: tuple[object, ...]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene of a sweep.
+
+    Attributes
+    ----------
+    name
+        Name of its folder, made of its values.
+    values
+        What the scene holds at each of the varied keys: numbers in µm, MPa, min and degrees,
+        texts for all else.
+    scene
+        What to run.
+    """
+
+    name: str
+    values: tuple[float | str, ...]
+    scene: Scene
+
+
+def parse_variation(text: str) -> Parameter:
+    """Read ``TABLE.KEY=V1,V2,...``; a value ``A:B:N`` stands for N values from A to B.
+
+    Raises
+    ------
+    SceneError
+        If the text cannot be read.
+    """
+    key, _, listed = (part.strip() for part in text.partition("="))
+    entries = _split(listed, ",")
+    if not key or not all(entries):
+        wanted = "write TABLE.KEY=V1,V2,... or TABLE.KEY=A:B:N, e.g. growth.time=30,45,60"
+        raise SceneError(f"{value_text(text)}: {wanted}")
+    values: list[object] = []
+    for entry in entries:
+        ends = _split(entry, ":")
+        values += [parse_value(entry)] if len(ends) == 1 else _range(f"{key}={entry}", ends)
+    return Parameter(key, tuple(values))
+
+
+def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
+    """Every combination of the parameters' values, each once, the last one changing fastest.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is given twice, or a combination is no valid scene.
+    """
+    keys = [parameter.key for parameter in parameters]
+    if twice := [key for key in keys if keys.count(key) > 1]:
+        raise SceneError(f"--vary {twice[0]} is given twice; list all of its values in one")
+    cases: dict[Scene, Case] = {}
+    names: set[str] = set()
+    for values in product(*(parameter.values for parameter in parameters)):
+        changed = scene.with_values(dict(zip(keys, values, strict=True)))
+        if changed in cases:  # "1 MPa" and 1.0
+            continue
+        held = tuple(_plain(_look_up(changed, key)) for key in keys)
+        name = _folder(keys, held)
+        while name in names:  # long values that differ at their ends
+            name += "+"
+        names.add(name)
+        cases[changed] = Case(name, held, changed)
+    return list(cases.values())
+
+
+def unit_symbol(scene: Scene, key: str) -> str:
+    """Symbol of the unit in which a scene holds the value of a key; empty where it has none."""
+    table, _, name = key.rpartition(".")
+    field = fields_of(type(_look_up(scene, table)))[name]
+    return _symbol([*field.metadata, field.annotation])
+
+
+def value_label(value: float | str) -> str:
+    """Write a parameter's value for people: at most six digits."""
+    return value if isinstance(value, str) else f"{value:.6g}"
+
+
+def _split(text: str, mark: str) -> list[str]:
+    """Split at a mark that stands outside of brackets and quotes."""
+    parts = [""]
+    for piece in _PIECES.findall(text):
+        if piece == mark:
+            parts.append("")
+        else:
+            parts[-1] += piece
+    return [part.strip() for part in parts]
+
+
+def _range(text: str, parts: Sequence[str]) -> list[object]:
+    """Values of ``A:B:N``, equally spaced, with the unit of the ends."""
+    ends = [_NUMBER.fullmatch(part) for part in parts[:2]]
+    count = parts[2] if len(parts) == 3 else ""
+    if None in ends or not count.isdecimal() or not 2 <= int(count) <= _MOST_VALUES:
+        wanted = f"a range is A:B:N, with N from 2 to {_MOST_VALUES}, e.g. 0.9:1.1:5"
+        raise SceneError(f"--vary {text}: {wanted}")
+    units = {end[2].strip() for end in ends if end} - {""}
+    if len(units) > 1:
+        raise SceneError(f"--vary {text}: write both ends of the range in one unit")
+    start, end = (Decimal(end[1]) for end in ends if end)
+    steps = int(count) - 1
+    values = [start + (end - start) * i / steps for i in range(steps + 1)]
+    if units:
+        return [f"{value:.{_DIGITS}g} {min(units)}" for value in values]
+    whole = all(value == int(value) for value in values) and "." not in "".join(parts)
+    return [int(value) if whole else float(f"{value:.{_DIGITS}g}") for value in values]
+
+
+def _look_up(scene: Scene, key: str) -> Any:
+    found: Any = scene
+    for part in filter(None, key.split(".")):
+        found = found[int(part)] if isinstance(found, tuple | list) else value_of(found, part)
+    return found
+
+
+def _symbol(marks: Sequence[Any]) -> str:
+    for mark in marks:
+        found = mark.symbol if isinstance(mark, Unit) else _symbol(get_args(mark))
+        if found:
+            return str(found)
+    return ""
+
+
+def _plain(value: object) -> float | str:
+    """A value as a number or a text."""
+    if isinstance(value, float | int) and not isinstance(value, bool):
+        return value
+    return value if isinstance(value, str) else _text(value)
+
+
+def _text(value: object) -> str:
+    """Write a value that is neither number nor text in a line."""
+    if isinstance(value, BaseModel):
+        value = value.model_dump(exclude_none=True)
+    if isinstance(value, dict):
+        return " ".join(f"{key}={_text(entry)}" for key, entry in value.items())
+    if isinstance(value, tuple | list):
+        return "[" + " ".join(map(_text, value)) + "]"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _folder(keys: Sequence[str], values: Sequence[float | str]) -> str:
+    """Name of a folder that shows the values, in letters that every file system takes."""
+    parts = (
+        f"{key}={value if isinstance(value, str) else format(value, f'.{_DIGITS}g')}"
+        for key, value in zip(keys, values, strict=True)
+    )
+    return re.sub(r"[^\w.=+,-]+", "-", re.sub(r"[][]", "", "_".join(parts)))[:200]

@@ -1,0 +1,138 @@
+"""The figure of a sweep: volume curves of one parameter, or a map of the volume over two."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..figures import COLOURS, Curve, figure_of, pressures, volumes
+from ..output import load_history, load_scene
+from .cases import unit_symbol, value_label
+from .table import CaseRow, read_table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FIGURE = "sweep.png"  # within the folder of the sweep
+_MOST_LABELS = 12  # cells along an axis whose volumes are written into them
+
+
+def draw(directory: Path, suffix: str = ".png") -> list[Path]:
+    """Draw the figure of a sweep's folder, finished or still going.
+
+    Returns
+    -------
+    list of Path
+        What has been drawn: nothing where no case has an answer, or of more than two parameters.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds no sweep, or a file of it is damaged.
+    """
+    keys, rows = read_table(directory)
+    rows = [row for row in rows if row.end_ratio is not None]
+    if not rows or len(keys) > 2:
+        return []
+    path = (directory / FIGURE).with_suffix(suffix)
+    scene = load_scene(directory / rows[0].case)
+    labels = [_label(key, unit_symbol(scene, key)) for key in keys]
+    if len(keys) == 2:
+        _draw_map(path, labels, rows, scene.title)
+        return [path]
+    if scene.run is None and scene.path is None:
+        _draw_line(path, labels[0], rows, scene.title)
+        return [path]
+    curves = [
+        Curve(value_label(row.values[0]), load_history(directory / row.case), row.status)
+        for row in rows
+    ]
+    together = volumes if scene.run is not None else pressures
+    together(curves, path, scene.title, heading=labels[0])
+    return [path]
+
+
+def _label(key: str, unit: str) -> str:
+    return f"{key} ({unit})" if unit else key
+
+
+def _draw_line(path: Path, label: str, rows: Sequence[CaseRow], title: str) -> None:
+    """Draw V/V0 of single equilibria against their parameter."""
+    with figure_of(path, 4.8, 3.4) as figure:
+        axes = figure.add_axes((0.15, 0.14, 0.82, 0.77))
+        places: list[float | str] = [row.values[0] for row in rows]
+        axes.plot(places, [row.end_ratio or np.nan for row in rows], "o-", color=COLOURS[0])
+        axes.set_xlabel(label)
+        axes.set_ylabel("volume V/V₀")
+        axes.set_title(title)
+
+
+def _draw_map(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title: str) -> None:
+    """Draw V/V0 at the last time that all who live that long have saved, a cell for each case.
+
+    Where equilibrium was lost before, the cell says when.
+    """
+    across, up = (list(dict.fromkeys(row.values[i] for row in rows)) for i in range(2))
+    time = max((t for row in rows for t, _ in row.ratios), default=None)
+    ratios = np.full((len(up), len(across)), np.nan)
+    for row in rows:
+        at = row.end_ratio if time is None else dict(row.ratios).get(time)
+        place = up.index(row.values[1]), across.index(row.values[0])
+        ratios[place] = np.nan if at is None else at
+    cell = min(0.62, max(0.28, 6.0 / max(len(across), len(up))))
+    width, height = max(2.2, cell * len(across)), max(1.6, cell * len(up))
+    with figure_of(path, width + 1.75, height + 0.95) as figure:
+
+        def place_axes(x: float, y: float, w: float, h: float) -> Axes:
+            total = figure.get_size_inches()
+            return figure.add_axes((x / total[0], y / total[1], w / total[0], h / total[1]))
+
+        axes = place_axes(0.75, 0.55, width, height)
+        picture = axes.imshow(ratios, origin="lower", aspect="auto", cmap="viridis")
+        picture.cmap.set_bad("0.88")
+        axes.set_xticks(*_ticks(across), rotation=45 if len(across) > 6 else 0)
+        axes.set_yticks(*_ticks(up))
+        axes.set_xlabel(labels[0])
+        axes.set_ylabel(labels[1])
+        axes.set_title(title)
+        axes.spines[:].set_visible(False)
+        axes.tick_params(length=0)
+        _write_cells(axes, rows, across, up, ratios)
+        if not np.isnan(ratios).all():
+            when = "" if time is None else f" at {time:g} min"
+            bar = figure.colorbar(
+                picture, cax=place_axes(0.9 + width, 0.55, 0.12, height), label=f"V/V₀{when}"
+            )
+            bar.outline.set_visible(False)  # type: ignore[operator]
+
+
+def _ticks(values: Sequence[float | str]) -> tuple[list[int], list[str]]:
+    """Places and labels of at most some twelve cells."""
+    every = -(-len(values) // _MOST_LABELS)
+    places = list(range(0, len(values), every))
+    return places, [value_label(values[i]) for i in places]
+
+
+def _write_cells(
+    axes: Axes,
+    rows: Sequence[CaseRow],
+    across: Sequence[float | str],
+    up: Sequence[float | str],
+    ratios: np.ndarray,
+) -> None:
+    """Write volumes into the cells, and where equilibrium is lost, when."""
+    crowded = max(len(across), len(up)) > _MOST_LABELS
+    middle = np.nanmean([np.nanmin(ratios), np.nanmax(ratios)]) if (~np.isnan(ratios)).any() else 0
+    for row in rows:
+        x, y = across.index(row.values[0]), up.index(row.values[1])
+        at, colour = ratios[y, x], "black"
+        if np.isnan(at):
+            lost = row.status == "no-equilibrium" and row.end_time is not None
+            text = "×" if crowded or not lost else f"lost at\n{row.end_time:.1f} min"
+        else:
+            text = "" if crowded else f"{at:.3f}"
+            colour = "white" if at < middle else "black"
+        axes.text(x, y, text, ha="center", va="center", color=colour, fontsize=7)

@@ -1,0 +1,186 @@
+"""The table of a sweep: what came out of each case, read from the cases' folders."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from typing import get_args
+
+from ..output import OutputError, load_ending, load_history, load_scene, replace_file, writing
+from ..scene import SceneError
+from ..simulation import Status
+from .cases import Case
+
+TABLE = "sweep.csv"  # within the folder of the sweep
+_ANSWERS: tuple[Status, ...] = ("finished", "no-equilibrium")
+_RATIO = ("volume_ratio_at_", "_min")
+
+
+@dataclass(frozen=True)
+class CaseRow:
+    """What came out of a case.
+
+    Attributes
+    ----------
+    case
+        Name of its folder.
+    values
+        Its parameters, as in `sweep.Case`.
+    status, message
+        How it ended, and that in a sentence.
+    end_time, end_ratio
+        Time in min and V/V0 of its last accepted state; None where there is none.
+    ratios
+        V/V0 by saved time in min, for the times that were reached.
+    wall_s
+        Seconds that it took.
+    """
+
+    case: str
+    values: tuple[float | str, ...]
+    status: Status
+    message: str
+    end_time: float | None = None
+    end_ratio: float | None = None
+    ratios: tuple[tuple[float, float], ...] = ()
+    wall_s: float | None = None
+
+    @property
+    def answered(self) -> bool:
+        """Whether the case has come to its end, and need not be run again."""
+        return self.status in _ANSWERS
+
+
+def row_of(directory: Path, case: Case) -> CaseRow | None:
+    """What the case's folder says of it; None where this very scene has not been run to an end.
+
+    Raises
+    ------
+    OutputError, SceneError
+        If a file of the folder is damaged.
+    """
+    folder = directory / case.name
+    if not folder.exists() or load_scene(folder) != case.scene:
+        return None
+    ending = load_ending(folder)
+    if ending is None:
+        return None
+    history = load_history(folder)
+    last = history.rows[-1] if len(history) else None
+    wanted = case.scene.run.save if case.scene.run else ()
+    reached = [time for time in wanted if last and time <= last.time_min]
+    return CaseRow(
+        case=case.name,
+        values=case.values,
+        status=ending.status,
+        message=ending.message,
+        end_time=last.time_min if last else None,
+        end_ratio=last.volume_ratio if last else None,
+        ratios=tuple((time, history.at(time).volume_ratio) for time in reached),
+        wall_s=ending.total_s,
+    )
+
+
+def finished_row(directory: Path, case: Case) -> CaseRow | None:
+    """Row of a case that need not be run again; None for any other."""
+    try:
+        row = row_of(directory, case)
+    except (OutputError, SceneError):
+        return None  # not whole: run again
+    return row if row is not None and row.answered else None
+
+
+def was_cut_short(directory: Path, case: Case) -> bool:
+    """Whether the case's folder holds a run of this very scene that has come to no end."""
+    folder = directory / case.name
+    try:
+        ending = load_ending(folder)
+        return load_scene(folder) == case.scene and (
+            ending is None or ending.status not in _ANSWERS
+        )
+    except (OutputError, SceneError):
+        return False
+
+
+def write_table(directory: Path, keys: Sequence[str], rows: Iterable[CaseRow]) -> None:
+    """Write the table in place of an earlier one, as one file at once.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    rows = list(rows)
+    times = sorted({time for row in rows for time, _ in row.ratios})
+    text = StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    ratios = [f"{time:.10g}".join(_RATIO) for time in times]
+    table.writerow(["case", *keys, "status", "end_time_min", *ratios, *_LAST])
+    for row in rows:
+        at = dict(row.ratios)
+        numbers = [row.end_ratio, row.wall_s and round(row.wall_s, 3)]
+        table.writerow(
+            [row.case, *row.values, row.status, row.end_time, *map(at.get, times), *numbers,
+             row.message]
+        )  # fmt: skip
+    with writing(directory):
+        replace_file(directory / TABLE, text.getvalue().encode())
+
+
+_LAST = ("end_volume_ratio", "wall_s", "message")
+
+
+def read_table(directory: Path) -> tuple[list[str], list[CaseRow]]:
+    """Keys of the parameters, and the rows, of a table that a sweep has left.
+
+    Raises
+    ------
+    OutputError
+        If there is none, or it is none of ours.
+    """
+    path = directory / TABLE
+    try:
+        header, *lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+        split = header.index("status")
+        if header[0] != "case" or tuple(header[-3:]) != _LAST:
+            raise ValueError
+        rows = [_read(dict(zip(header, line, strict=True)), header[1:split]) for line in lines]
+    except OSError:
+        problem = f"{directory}: holds no {TABLE}; the folder of a sweep is wanted"
+        raise OutputError(problem) from None
+    except (ValueError, KeyError, UnicodeDecodeError):
+        problem = f"{path}: no table that a sweep has left; choose another folder"
+        raise OutputError(problem) from None
+    return header[1:split], rows
+
+
+def _read(cells: dict[str, str], keys: Sequence[str]) -> CaseRow:
+    before, after = _RATIO
+    ratios = {name.removeprefix(before).removesuffix(after): text for name, text in cells.items()
+              if name.startswith(before)}  # fmt: skip
+    if cells["status"] not in get_args(Status):
+        raise ValueError
+    return CaseRow(
+        case=cells["case"],
+        values=tuple(_value(cells[key]) for key in keys),
+        status=cells["status"],  # type: ignore[arg-type]
+        message=cells["message"],
+        end_time=_number(cells["end_time_min"]),
+        end_ratio=_number(cells["end_volume_ratio"]),
+        ratios=tuple((float(time), float(text)) for time, text in ratios.items() if text),
+        wall_s=_number(cells["wall_s"]),
+    )
+
+
+def _number(text: str) -> float | None:
+    return float(text) if text else None
+
+
+def _value(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -1,0 +1,228 @@
+"""How runs of the command end early: exit status, what is told, what is left."""
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.command import COMMAND, FILES, TWO_SAVED, call, hear, lines, tree, wait_for
+
+from fenics_yeast.output.reading import load_history, load_profiles, load_status
+from fenics_yeast.simulation import simulation
+from fenics_yeast.simulation.result import History, Profiles, Timings
+from fenics_yeast.simulation.result import Result as RunResult
+
+
+def start(*arguments: str) -> subprocess.Popen[str]:
+    """Start the command as a process of its own, which hears Ctrl-C even in the background."""
+    pipe = subprocess.PIPE
+    command = [*COMMAND, *arguments]
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=hear)
+
+
+def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
+    late = ("--set", "run.end=100", "--set", "run.save=[40]", "--set", "growth.threshold=0.9")
+    result = call("run", "small.toml", *late)
+    assert result.exit_code == 3
+    assert "no equilibrium" in result.stderr and result.stderr.count("\n") == 1
+    assert result.stdout.splitlines()[-1] == "no-equilibrium, see out/small"
+    folder = here / "out" / "small"
+    assert tree(folder) == TWO_SAVED
+    assert load_status(folder) == "no-equilibrium"
+    history, profiles = load_history(folder), load_profiles(folder)
+    assert [profile.time for profile in profiles] == [40, history.time_min[-1]]
+    assert 70 < history.time_min[-1] < 80
+
+
+@pytest.mark.parametrize(("status", "code"), [("failed", 4), ("interrupted", 130)])
+def test_other_ends_have_their_exit_status(
+    here: Path, monkeypatch: pytest.MonkeyPatch, status: str, code: int
+) -> None:
+    def simulate(*_: object, **__: object) -> RunResult:
+        return RunResult(
+            History(()), Profiles(()), status, "the reason", 0.0, 1, 0, 0, 0, Timings()
+        )  # fmt: skip
+
+    monkeypatch.setattr(simulation, "simulate", simulate)
+    result = call("run", "small.toml", "--quiet")
+    assert (result.exit_code, result.stdout) == (code, "")
+    assert "the reason" in result.stderr and result.stderr.count("\n") == 1
+    assert load_status(here / "out" / "small") == status
+
+
+INTERRUPTS = [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]]
+
+
+@pytest.mark.parametrize("numbers", INTERRUPTS)
+def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers: list[int]) -> None:
+    """Ctrl-C, the end of a batch job or of a connection; once more while figures are drawn."""
+    process = start("run", "small.toml", "--quiet", "--set", "numerics.step=0.002")
+    folder = here / "out" / "small"
+    wait_for(lambda: lines(folder) > 10, process)
+    for number in numbers:
+        process.send_signal(number)
+        time.sleep(0.03 if number is numbers[0] else 0)
+    output, errors = process.communicate(timeout=60)
+    assert (process.returncode, output) == (130, "")
+    assert errors.startswith("interrupted at ") and errors.count("\n") == 1
+    history, profiles = load_history(folder), load_profiles(folder)
+    summary = json.loads((folder / "run.json").read_text())
+    assert summary["status"] == "interrupted"
+    assert summary["end_time_min"] == history.time_min[-1] == profiles.all[-1].time
+    assert summary["steps"] == len(history) - 1
+    assert tree(folder) == FILES if len(numbers) == 1 else tree(folder) <= FILES
+
+
+def test_under_nohup_the_end_of_a_connection_is_no_matter(here: Path) -> None:
+    command = ["nohup", *COMMAND, "run", "small.toml", "--quiet", "--set", "numerics.step=0.02"]
+    pipe = subprocess.PIPE
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe)
+    folder = here / "out" / "small"
+    wait_for(lambda: lines(folder) > 10, process)
+    process.send_signal(signal.SIGHUP)
+    assert (*process.communicate(timeout=60), process.returncode) == (b"", b"", 0)
+    assert load_status(folder) == "finished"
+
+
+def test_a_script_ends_with_its_connection() -> None:
+    """Which MPI's libraries would keep from it."""
+    code = "from fenics_yeast import simulate; import os; os.kill(os.getpid(), 1); print('goes on')"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, preexec_fn=hear
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGHUP, "", "")
+
+
+def on_a_small_disk(size: int, *options: str) -> subprocess.CompletedProcess[str]:
+    """Run the scene where no file may be larger than so many bytes."""
+    code = (
+        "import resource; from mpi4py import MPI; from fenics_yeast.command.main import main\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); main()"
+    )
+    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *options]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+
+
+@pytest.mark.parametrize(
+    ("size", "status", "advice"),
+    [
+        (1500, "failed", "run the scene again"),
+        (50_000, "finished", "fenics-yeast plot out/small draws what lacks"),
+    ],
+)
+def test_a_disk_that_fills_up_ends_the_run_in_a_line(
+    here: Path, size: int, status: str, advice: str
+) -> None:
+    """In a line of the history, which then has whole lines only; or in a figure."""
+    done = on_a_small_disk(size)
+    assert (done.returncode, done.stdout) == (4, "")
+    assert done.stderr.startswith("error: out/small: cannot be written: ")
+    assert done.stderr.endswith(f"; once that is mended, {advice}\n")
+    assert done.stderr.count("\n") == 1
+    folder = here / "out" / "small"
+    rows = load_history(folder)
+    assert (folder / "history.csv").read_text().count("\n") == len(rows) + 1 > 1
+    assert (folder / "history.csv").read_bytes().endswith(b"\n")
+    summary = json.loads((folder / "run.json").read_text())
+    assert summary["status"] == status
+    assert ("cannot be written" in summary["message"]) == (status == "failed")
+    assert summary["steps"] == len(rows) - 1
+
+
+def test_interrupted_figures_and_error_bars_leave_the_run_as_it_is(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    bars = "studies.error_bars.estimate_error_bars"
+    for part, message in ((bars, "; the error bars were interrupted"),
+                          ("figures.draw", "")):  # fmt: skip
+        monkeypatch.setattr(f"fenics_yeast.{part}", interrupted)
+        result = call("run", "small.toml", "--quiet", "--error-bars")
+        assert (result.exit_code, result.stderr) == (130, "interrupted\n")
+        summary = json.loads((here / "out" / "small" / "run.json").read_text())
+        assert summary["status"] == "finished"
+        assert summary["message"] == "reached 20 min" + message
+
+
+def test_an_interrupt_of_the_compilation_leaves_what_the_folder_holds(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And anywhere else where the simulation cannot tell of it: before, or on its way out."""
+    real = simulation.simulate
+
+    def interrupted(*arguments: Any, **options: Any) -> None:
+        real(*arguments, **options)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(simulation, "simulate", interrupted)
+    result = call("run", "small.toml", "--quiet")
+    assert (result.exit_code, result.stderr) == (130, "interrupted at 20 min\n")
+    folder = here / "out" / "small"
+    summary = json.loads((folder / "run.json").read_text())
+    assert summary["status"] == "interrupted" and summary["end_time_min"] == 20
+    assert len(load_history(folder)) == summary["steps"] + 1 > 10
+    assert [profile.time for profile in load_profiles(folder)] == [10, 20]
+
+
+def test_a_reader_that_goes_away_does_not_end_the_run(here: Path) -> None:
+    process = start("run", "small.toml")
+    assert process.stdout is not None
+    process.stdout.close()
+    assert process.wait(60) == 0
+    assert load_status(here / "out" / "small") == "finished"
+
+
+FINE = ("--set", "numerics.step=0.04", "--set", "run.save=[1, 10, 20]")
+
+
+def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
+    folder = here / "out" / "small"
+    process = start("run", "small.toml", "--quiet", *FINE)
+    wait_for(lambda: lines(folder) > 40, process)
+    shutil.rmtree(folder.rename(here / "removed"))  # at once: the run makes it again
+    assert process.wait(60) == 0
+    times = load_history(folder).time_min
+    assert times[0] == 0 and times[-1] == 20 and len(times) > 400
+    assert [profile.time for profile in load_profiles(folder)] == [1, 10, 20]
+    assert load_status(folder) == "finished"
+
+
+def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
+    done = on_a_small_disk(30_000, *FINE)
+    assert done.returncode == 4
+    assert done.stderr.startswith("error: out/small: cannot be written: ")
+    folder = here / "out" / "small"
+    history, profiles = load_history(folder), load_profiles(folder)
+    assert len(history) > 100
+    assert [profile.time for profile in profiles] == [1]
+    assert np.isfinite(history.volume_ratio).all()
+
+
+def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
+    code = (
+        "from fenics_yeast.solve.time_stepper import Evolution, EquilibriumError\n"
+        "attempt = Evolution.attempt\n"
+        "def gives_up(self, end):\n"
+        "    if end > 5: raise EquilibriumError('no luck', 3)\n"
+        "    return attempt(self, end)\n"
+        "Evolution.attempt = gives_up\n"
+        "from fenics_yeast.command.main import main; main()"
+    )
+    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *FINE]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 4, done.stderr
+    assert done.stderr.startswith("error: no step beyond ") and "no luck" in done.stderr
+    assert done.stderr.count("\n") == 1
+    folder = here / "out" / "small"
+    assert load_status(folder) == "failed"
+    history, profiles = load_history(folder), load_profiles(folder)
+    assert 4.9 < history.time_min[-1] <= 5
+    assert [profile.time for profile in profiles] == [1, history.time_min[-1]]

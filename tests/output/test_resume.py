@@ -1,0 +1,438 @@
+"""A run that is taken up after any end is the run that nothing disturbed."""
+
+import math
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.command import call
+from support.ranks import RANKS
+from typer.testing import Result
+
+from fenics_yeast import Scene, _dolfinx, simulate
+from fenics_yeast.mechanics.ordering import Layout
+from fenics_yeast.output import restart
+from fenics_yeast.output.reading import load_history, load_profiles, load_result, load_status
+from fenics_yeast.simulation import Observers, build_shell
+from fenics_yeast.simulation import checkpointer as keeper
+from fenics_yeast.simulation.checkpoint import FORMAT, Checkpoint, CheckpointError, Start
+from fenics_yeast.simulation.result import COLUMNS, Profiles
+from fenics_yeast.simulation.result import Result as RunResult
+from fenics_yeast.simulation.transient import March
+from fenics_yeast.solve.time_stepper import Memory
+
+KILLS = 10
+
+SMALL = """\
+[cell]
+shape = "sphere"
+diameter = "5 um"
+[wall]
+thickness = "100 nm"
+shear_modulus = "40 MPa"
+[turgor]
+pressure = "2 atm"
+[growth]
+zone = { pole = "top", half_angle = 24.0 }
+threshold = "1 MPa"
+time = "45 min"
+[run]
+end = "20 min"
+save = [1, 10, 20]
+[numerics]
+preset = "paper"
+elements = 40
+step = "2 min"
+"""
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory, with a scene in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SMALL)
+    return tmp_path
+
+
+def same(one: RunResult, other: RunResult) -> None:
+    """All but the time that it took is the same, to the last digit."""
+    assert one.history.rows == other.history.rows
+    assert (one.status, one.message) == (other.status, other.message)
+    assert one.newton_iterations == other.newton_iterations
+    assert one.rejected_steps == other.rejected_steps
+    same_profiles(one.profiles, other.profiles)
+
+
+def same_profiles(some: Profiles, others: Profiles) -> None:
+    ours, theirs = some.arrays(), others.arrays()
+    assert ours.keys() == theirs.keys()
+    assert all(np.array_equal(ours[name], theirs[name]) for name in ours)
+
+
+# --- the state ----------------------------------------------------------------------------
+
+CHANGES = {
+    "adaptive, to a limit point": {"growth.threshold": 0.9, "run.end": 100, "run.save": [40]},
+    "explicit": {
+        "run": {"end": 10, "save": [5, 10]},
+        "numerics": {"preset": "paper", "elements": 60, "integrator": "forward-euler",
+                     "step": "adaptive", "tolerance": 1e-2},
+    },
+    "fixed": {"numerics": {"preset": "paper", "elements": 60, "step": 4.0}},
+    "changing turgor, spans of growth": {
+        "turgor.pressure": {"time": [0, 30, 40], "value": [0.2, 0.2, 0.02]},
+        "growth.from": 10, "run": {"end": 60, "save": [20, 60]},
+    },
+    "following the tip": {
+        "growth.zone.half_angle": 60, "growth.polarity": {"width": "1 um", "follow": "tip"},
+        "run": {"end": 5, "save": [5]},
+    },
+    "elastic, to a limit pressure": {
+        "growth": None, "run": {"end": 5, "save": [1, 5]}, "turgor.ramp": 3.0,
+        "turgor.pressure": 3.0,
+    },
+    "membrane": {"wall.bending": False, "run": {"end": 30, "save": [30]}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CHANGES)
+def test_every_step_can_be_taken_up(
+    cell_scene: Scene, case: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Steps of all kinds, with failures and an end of another kind still ahead."""
+    monkeypatch.setattr(keeper, "_EVERY", 0.0)
+    monkeypatch.setattr(keeper, "_SHARE", math.inf)
+    scene = cell_scene.with_values({"numerics": {"preset": "default"}, **CHANGES[case]})
+    kept: list[Checkpoint] = []
+    whole = simulate(scene, keep=kept.append)
+    assert len(kept) > 4
+    for checkpoint in kept[:: len(kept) // 4]:
+        read = Checkpoint.from_bytes(checkpoint.to_bytes())
+        tally = read.tally
+        start = Start(
+            read, tuple(whole.history.rows[: tally.rows]), whole.profiles.all[: tally.profiles]
+        )
+        again = simulate(scene, start=start)
+        assert tally.rows < len(whole.history) or checkpoint is kept[-1]
+        same(again, whole)
+
+
+def test_the_order_of_the_unknowns_is_that_of_their_places(cell_scene: Scene) -> None:
+    """Each place has its own rank in the order, and goes there and back."""
+    for changes in ({}, {"wall.bending": False}):
+        shell = build_shell(cell_scene.with_values({"numerics.elements": 40, **changes}))
+        components, S = _dolfinx.unknown_places(shell.space)
+        assert len({*zip(components, S.round(12), strict=True)}) == len(shell.w.x.array)
+        assert set(components) == ({0, 1, 2, 3} if shell.bending else {0, 1})
+        shell.w.x.array[:] = 10.0 * components + S
+        layout = Layout(shell)
+        eps_g = shell.growth.get()
+        memory = Memory(0.0, shell.w.x.array.copy(), eps_g, None, None, (), ())
+        ordered = layout.ordered(memory)
+        assert np.all(np.diff(ordered.w) > 0)
+        np.testing.assert_array_equal(layout.local(ordered).w, memory.w)
+
+
+def test_saved_times_that_are_one_share_their_profile(cell_scene: Scene) -> None:
+    scene = cell_scene.with_values(
+        {"numerics": {"preset": "paper", "elements": 20}, "run.end": 1.0}
+    )
+    times = [1e-9, 0.5, 0.5 * (1 + 1e-15), 1.0]
+    result = simulate(scene.with_values({"run.save": times}))
+    assert len(result.profiles) == 3
+    for t in times:
+        assert result.profiles.at(t).time == pytest.approx(t, rel=1e-12)
+
+
+# --- killed -------------------------------------------------------------------------------
+
+# Checkpoints often, so that many are half-written when the process is killed.
+COMMAND = """\
+import os, sys
+from pathlib import Path
+from mpi4py import MPI
+from fenics_yeast.simulation import checkpointer as keeper
+keeper._EVERY, keeper._SHARE = 0.01, 1.0
+if MPI.COMM_WORLD.rank == 0:
+    Path("pid").write_text(str(os.getpid()))
+from fenics_yeast.command.main import main
+main()
+"""
+END = 12
+LONG = ("--set=numerics.step=0.05", f"--set=run.end={END}", f"--set=run.save=[1, {END}]")
+
+
+class Runs:
+    """Runs of the long scene into folders, on a number of ranks."""
+
+    def __init__(self, here: Path, ranks: int) -> None:
+        self.here, self.ranks = here, ranks
+        (here / "command.py").write_text(COMMAND)
+
+    def start(self, folder: str, *options: str) -> subprocess.Popen[bytes]:
+        launch = ["mpirun", "-n", str(self.ranks)] if self.ranks > 1 else []
+        command = [*launch, sys.executable, "command.py", "run", "small.toml", *LONG]
+        own = ("OMPI_", "PMIX_", "PRTE_")
+        environment = {k: v for k, v in os.environ.items() if not k.startswith(own)} | RANKS
+        (self.here / "pid").unlink(missing_ok=True)
+        return subprocess.Popen(
+            [*command, "--out", folder, "--quiet", *options],
+            env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        )  # fmt: skip
+
+    def finish(self, folder: str, *options: str) -> None:
+        process = self.start(folder, *options)
+        _, errors = process.communicate(timeout=300)
+        assert process.returncode == 0, errors.decode()
+
+    def kill(self, folder: str, rows: float, *options: str) -> bool:
+        """Kill a run after some new rows and part of the next; False if it was too late."""
+        path = self.here / folder / "history.csv"
+        before = path.stat().st_ino if path.exists() else None
+        process = self.start(folder, *options)
+        deadline = time.monotonic() + 200
+        begun = None
+        while begun is None or path.read_bytes().count(b"\n") < begun + rows:
+            assert process.poll() is None and time.monotonic() < deadline
+            time.sleep(0.002)
+            if begun is None and path.exists() and path.stat().st_ino != before:
+                begun = path.read_bytes().count(b"\n")
+        time.sleep(0.01 * (rows % 1))
+        killed = process.poll() is None
+        if killed:
+            os.kill(int((self.here / "pid").read_text()), signal.SIGKILL)
+        process.communicate(timeout=60)
+        return killed and process.returncode != 0
+
+
+@pytest.fixture
+def moments() -> Iterator[float]:
+    """Numbers of rows after which to kill."""
+    source = random.Random(1)
+    return iter(lambda: source.uniform(1, 16), None)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_killed_ten_times_a_run_is_that_of_no_kill(
+    here: Path, ranks: int, moments: Iterator[float]
+) -> None:
+    runs = Runs(here, ranks)
+    runs.finish("whole")  # which also compiles all forms
+    reached = []
+    options: tuple[str, ...] = ()
+    for _ in range(KILLS):
+        assert runs.kill("killed", next(moments), *options)
+        reached.append(load_history(here / "killed").time_min[-1])  # which reads
+        assert load_status(here / "killed") is None
+        options = ("--resume",)
+    assert reached[-1] > reached[0] and reached[-1] < END
+    runs.finish("killed", "--resume")
+    whole, killed = (load_result(here / name) for name in ("whole", "killed"))
+    same(killed, whole)
+    assert (here / "killed" / "history.csv").read_bytes() == (
+        here / "whole" / "history.csv"
+    ).read_bytes()
+    assert not list((here / "killed").glob("*.part"))
+
+
+def test_a_checkpoint_is_that_of_any_number_of_ranks(here: Path) -> None:
+    """Sums are rounded in another order: the digits are those of test_mpi."""
+    runs = {ranks: Runs(here, ranks) for ranks in (1, 2)}
+    runs[1].finish("whole")
+    whole = load_result(here / "whole")
+    for first, then in ((1, 2), (2, 1)):
+        folder = f"{first}-{then}"
+        assert runs[first].kill(folder, 60)
+        runs[then].finish(folder, "--resume")
+        resumed = load_result(here / folder)
+        for name in COLUMNS:
+            ours, theirs = (getattr(r.history, name) for r in (resumed, whole))
+            if name != "newton_iterations":
+                np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-9, err_msg=name)
+
+
+# --- the command --------------------------------------------------------------------------
+
+
+def run(*arguments: str) -> Result:
+    return call("run", "small.toml", *arguments)
+
+
+def refused(result: Result, *words: str) -> None:
+    assert result.exit_code == 2, result.output
+    assert result.stderr.startswith("error: out/small") and result.stderr.count("\n") == 1
+    for word in words:
+        assert word in result.stderr
+
+
+@pytest.fixture
+def finished(here: Path) -> Path:
+    assert run("--quiet").exit_code == 0
+    return here / "out" / "small"
+
+
+def test_a_finished_run_says_so_and_stays_as_it_is(finished: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in finished.rglob("*")}
+    result = run("--resume")
+    assert result.exit_code == 0 and result.stderr == ""
+    assert "out/small: ended before: reached 20 min" in result.stdout
+    assert {path: path.stat().st_mtime_ns for path in finished.rglob("*")} == before
+
+
+def test_a_lost_equilibrium_says_so_with_its_exit_status(here: Path) -> None:
+    soft = ("--set", "growth.threshold=0.9", "--set", "run.end=100", "--set", "run.save=[40]")
+    first = run("--quiet", *soft)
+    again = run("--quiet", "--resume", *soft)
+    assert (first.exit_code, again.exit_code) == (3, 3)
+    assert again.stderr == first.stderr and "no equilibrium" in again.stderr
+
+
+def test_without_a_checkpoint_a_run_starts_from_the_beginning(here: Path) -> None:
+    result = run("--resume")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("out/small: no checkpoint to go on from; the run starts from")
+    assert load_status(here / "out" / "small") == "finished"
+
+
+def test_a_path_starts_from_the_beginning(here: Path) -> None:
+    text = SMALL[: SMALL.index("[growth]")]
+    (here / "small.toml").write_text(text + "[path]\nuntil = { volume_ratio = 1.1 }\nsteps = 4\n")
+    for word in ("a path is not taken up half-way", "ended before: reached 0.538"):
+        result = run("--resume")
+        assert result.exit_code == 0 and word in result.stdout
+
+
+def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
+    earlier = load_result(finished)
+    result = run("--resume", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
+    assert result.exit_code == 0, result.output
+    assert "goes on from 20 min" in result.stdout
+    later = load_result(finished)
+    assert later.history.rows[: len(earlier.history)] == earlier.history.rows
+    assert later.history.time_min[-1] == 24
+    assert [profile.time for profile in load_profiles(finished)] == [1, 10, 20, 24]
+    for name in ("loop_s", "total_s", "import_s"):
+        assert getattr(later.timings, name) > getattr(earlier.timings, name)
+    # And is the run to the later end, of which 20 min is a saved time.
+    run("--quiet", "--out", "anew", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
+    same(later, load_result(finished.parent.parent / "anew"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (["wall.thickness=0.2"], ["another scene", "wall.thickness = 0.1 in place of 0.2"]),
+        (["numerics.step=1"], ["another scene", "numerics.step = 2.0 in place of 1.0"]),
+        (["run.end=10", "run.save=[10]"], ["has come to 20 min already"]),
+        (["run.end=30", "run.save=[5, 30]"], ["has passed 5 min, which was not to be saved"]),
+    ],
+)
+def test_what_the_folder_does_not_hold_is_refused(
+    finished: Path, changes: list[str], words: list[str]
+) -> None:
+    before = {path: path.read_bytes() for path in finished.glob("*.*")}
+    refused(run("--resume", *(f"--set={change}" for change in changes)), *words)
+    assert {path: path.read_bytes() for path in finished.glob("*.*")} == before
+
+
+def test_a_title_makes_no_other_scene(finished: Path) -> None:
+    (finished.parent.parent / "small.toml").write_text('title = "Mine"\n' + SMALL)
+    assert run("--resume", "--quiet").exit_code == 0
+
+
+def test_a_damaged_checkpoint_is_refused(finished: Path) -> None:
+    path = finished / "checkpoint.npz"
+    whole = path.read_bytes()
+    source = random.Random(2)
+    for length in (0, 1, 100, len(whole) // 2, len(whole) - 1):
+        path.write_bytes(whole[:length])
+        refused(run("--resume"), "checkpoint.npz: is damaged")
+    harmful = 0
+    for _ in range(40):  # a bit here or there: told, or of no matter
+        at = source.randrange(len(whole))
+        content = bytearray(whole)
+        content[at] ^= 1 << source.randrange(8)
+        try:
+            read = Checkpoint.from_bytes(bytes(content))
+        except CheckpointError as error:
+            harmful += 1
+            assert str(error) == "is damaged" or "has format" in str(error)
+        else:
+            assert read.to_bytes() == Checkpoint.from_bytes(whole).to_bytes()
+    assert harmful > 20
+
+
+def test_a_checkpoint_of_another_format_is_refused(
+    finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fenics_yeast.simulation.checkpoint.FORMAT", FORMAT + 1)
+    refused(run("--resume"), f"has format {FORMAT}, and this version reads format {FORMAT + 1}")
+
+
+def test_a_history_that_was_cut_behind_its_checkpoint_is_refused(finished: Path) -> None:
+    lines = (finished / "history.csv").read_text().splitlines(keepends=True)
+    (finished / "history.csv").write_text("".join(lines[:5]))
+    (finished / "run.json").unlink()
+    refused(run("--resume"), "has lost row")
+
+
+def test_a_new_run_forgets_the_checkpoint_of_the_old_one(
+    finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def breaks(self: March):  # type: ignore[no-untyped-def]
+        raise KeyboardInterrupt
+        yield
+
+    monkeypatch.setattr(March, "go", breaks)
+    assert run("--quiet").exit_code == 130
+    assert not (finished / "checkpoint.npz").exists()
+
+
+def test_an_interrupted_run_goes_on(here: Path) -> None:
+    whole = simulate(Scene.load("small.toml"))
+    folder = here / "out" / "small"
+    for at in (3, 7):  # one after the other
+
+        class Stop:
+            def accepted(self, row, at=at):  # type: ignore[no-untyped-def]
+                if row.time_min > at:
+                    raise KeyboardInterrupt
+
+            def saved(self, profile):  # type: ignore[no-untyped-def]
+                return
+
+        with pytest.MonkeyPatch.context() as patch:
+            stopped = lambda observers, stop=Stop: Observers([*observers, stop()])  # noqa: E731
+            patch.setattr("fenics_yeast.simulation.Observers", stopped)
+            assert run("--quiet", *(["--resume"] if at > 3 else [])).exit_code == 130
+        assert load_status(folder) == "interrupted"
+        assert load_result(folder).profiles.all[-1].time == load_history(folder).time_min[-1]
+    assert run("--quiet", "--resume").exit_code == 0
+    same(load_result(folder), whole)
+
+
+def test_a_folder_that_was_copied_goes_on_elsewhere(finished: Path) -> None:
+    shutil.copytree(finished, "copy")
+    past = restart.look_back(Path("copy"), Scene.load("small.toml"))
+    assert past.ended is not None and past.start is not None
+    assert len(past.start.rows) == len(past.ended.history)
+
+
+def test_a_checkpoint_of_another_mesh_is_refused(
+    finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As another version may make it from the same scene."""
+    read = Checkpoint.from_bytes((finished / "checkpoint.npz").read_bytes())
+    memory = replace(read.evolution, w=read.evolution.w[:-3])
+    (finished / "checkpoint.npz").write_bytes(replace(read, evolution=memory).to_bytes())
+    (finished / "run.json").unlink()
+    refused(run("--resume"), "another mesh")

@@ -1,0 +1,148 @@
+"""Compiled forms: whoever was killed or compiles at the same time, the next run goes on."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fenics_yeast import _form_cache
+
+# Two modules: a space's element (with dolfinx 0.5) and a form.
+CODE = """
+import numpy as np, ufl
+from fenics_yeast import _dolfinx as dx
+mesh = dx.interval_mesh(dx.MPI.COMM_WORLD, np.array([0.0, 1.0, 3.0]))
+f = dx.fem.Function(dx.quadrature_space(mesh, 1, 1))
+f.x.array[:] = 2.0
+form = dx.compile_form(f[0] ** 2 * ufl.dx(metadata={"quadrature_degree": 1}))
+print(dx.assemble_scalar(form, mesh.comm))
+"""
+ANSWER = ("12.0\n", "")
+
+
+def start(cache: Path | str, code: str = CODE, **more: str) -> subprocess.Popen[str]:
+    pipe = subprocess.PIPE
+    environment = os.environ | {"XDG_CACHE_HOME": str(cache)} | more
+    command = [sys.executable, "-c", code]
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=environment)
+
+
+def unfinished(cache: Path) -> set[Path]:
+    return {
+        path for path in cache.glob("fenics-yeast/*/*.c") if not Path(f"{path}.cached").exists()
+    }
+
+
+def test_a_killed_compilation_keeps_nobody_waiting(tmp_path: Path) -> None:
+    process = start(tmp_path)
+    while not unfinished(tmp_path):
+        assert process.poll() is None
+        time.sleep(0.002)
+    process.kill()
+    assert process.wait() == -signal.SIGKILL
+    process.communicate()
+    left = unfinished(tmp_path)
+    began = time.monotonic()
+    assert start(tmp_path).communicate() == ANSWER
+    assert left and time.monotonic() - began < 9  # FFCx alone waits for 10 s, in vain
+    assert not unfinished(tmp_path)
+
+
+def test_what_lost_its_library_is_compiled_anew(tmp_path: Path) -> None:
+    assert start(tmp_path).communicate() == ANSWER
+    for library in tmp_path.glob("fenics-yeast/*/*.so"):
+        library.unlink()
+    assert start(tmp_path).communicate() == ANSWER
+
+
+def test_processes_that_compile_at_once_share_the_work(tmp_path: Path) -> None:
+    processes = [start(tmp_path) for _ in range(3)]
+    assert [process.communicate() for process in processes] == [ANSWER] * 3
+    assert not unfinished(tmp_path)
+    assert not list(tmp_path.glob("fenics-yeast/*/*.failed"))
+
+
+GROWTH = """
+import ufl
+from fenics_yeast import Scene, simulate
+scene = Scene.from_toml('''
+cell = { shape = "sphere", diameter = 5 }
+wall = { thickness = 0.1, shear_modulus = 40, bending = false }
+turgor = { pressure = 0.2 }
+growth = { zone = { pole = "top", half_angle = 24 }, threshold = 1, time = 45 }
+run = { end = 0.1 }
+numerics = { order = 1 }
+''')
+for _ in range(2):
+    simulate(scene)
+    ufl.variable(ufl.as_ufl(1.0))  # which UFL counts
+"""
+
+
+def test_a_growing_wall_finds_what_another_compiled(tmp_path: Path) -> None:
+    """In the same process and in the next one."""
+    compiled = []
+    for code in (GROWTH.replace("range(2)", "range(1)"), GROWTH):
+        assert start(tmp_path, code).communicate() == ("", "")
+        compiled.append(sorted(tmp_path.glob("fenics-yeast/*/*.so")))
+    assert len(compiled[0]) > 5 and compiled[0] == compiled[1]
+
+
+def test_ranks_compile_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mpirun: Callable[[str, int], Path]
+) -> None:
+    """Under the names that one rank alone looks for."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    mpirun(CODE, 2)
+    compiled = sorted(tmp_path.glob("fenics-yeast/*/*.so"))
+    assert compiled
+    assert start(tmp_path).communicate() == ANSWER
+    assert sorted(tmp_path.glob("fenics-yeast/*/*.so")) == compiled
+
+
+def test_a_cache_that_cannot_be_written_is_replaced_for_the_run() -> None:
+    output, errors = start("/proc/nowhere").communicate()
+    assert output == ANSWER[0]
+    assert errors.startswith("warning: compiled forms are kept for this run only")
+    assert "XDG_CACHE_HOME" in errors and errors.count("\n") == 1
+
+
+def test_the_cache_of_someone_else_is_not_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    mine = _form_cache.folder.__wrapped__()
+    assert mine.is_relative_to(tmp_path) and capsys.readouterr().err == ""
+    monkeypatch.setattr(os, "geteuid", lambda: mine.stat().st_uid + 1)
+    other = _form_cache.folder.__wrapped__()
+    assert not other.is_relative_to(tmp_path / "fenics-yeast")
+    assert "it belongs to someone else" in capsys.readouterr().err
+
+
+SCENE = """\
+cell = { shape = "sphere", diameter = 5 }
+wall = { thickness = 0.1, shear_modulus = 40 }
+turgor = { pressure = 0.2 }
+"""
+
+
+def test_without_a_compiler_the_command_says_what_to_install(tmp_path: Path) -> None:
+    (tmp_path / "static.toml").write_text(SCENE)
+    code = (
+        f"import os; os.chdir({str(tmp_path)!r}); import sys; sys.argv[1:] = ['run', 'static.toml']"
+        "\nfrom fenics_yeast.command.main import main; main()"
+    )
+    process = start(tmp_path, code, CC="no-such-compiler")
+    output, errors = process.communicate()
+    assert (process.returncode, output) == (1, "")
+    assert errors.startswith("error: the C compiler no-such-compiler")
+    assert "sudo apt install gcc" in errors and errors.count("\n") == 1
+    # Once there is one, nothing is left in the way.
+    process = start(tmp_path, code)
+    assert process.communicate()[1] == ""
+    assert process.returncode == 0

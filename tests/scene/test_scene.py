@@ -1,0 +1,288 @@
+"""Scenes: units, defaults and presets, the way in and out of TOML, and every way to be wrong."""
+
+import dataclasses
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+from support.scenes import BALLOON, BUD
+
+from fenics_yeast.scene import (
+    PRESETS,
+    Cell,
+    Growth,
+    Numerics,
+    Run,
+    Scene,
+    SceneError,
+    Turgor,
+    Wall,
+    Zone,
+    parse_assignment,
+    parse_value,
+)
+
+
+@pytest.fixture
+def bud() -> Scene:
+    return Scene.from_toml(BUD, source="bud.toml")
+
+
+def test_every_key_of_the_documented_scene_is_read(bud):
+    assert bud == Scene(
+        title="S. cerevisiae bud",
+        cell=Cell(shape="sphere", diameter=5.0),
+        wall=Wall(thickness=0.1, shear_modulus=40.0, ogden_exponent=2.0),
+        turgor=Turgor(pressure=0.20265, ramp=0.01),
+        growth=Growth(zone=Zone(pole="top", half_angle=24.0), threshold=1.0, time=45.0),
+        run=Run(end=90.0, save=(40.0, 70.0, 90.0)),
+        numerics=Numerics(
+            preset="default",
+            elements=480,
+            order=1,
+            grading="uniform",
+            geometry="conical",
+            thickness_points=3,
+            shear_penalty=1000.0,
+            integrator="backward-euler",
+            step=0.2,
+            tolerance=1e-4,
+        ),
+    )
+    assert bud.cell.radius == 2.5
+
+
+def test_a_scene_needs_no_more_than_cell_wall_and_turgor():
+    scene = Scene.from_toml(BALLOON)
+    assert scene.growth is None
+    assert scene.run is None
+    assert scene.wall.ogden_exponent == 2.0
+    assert scene.turgor.ramp == 0.01
+    others = {"exclude": {"elements"}}  # whose number depends on the scene
+    assert scene.numerics.model_dump(**others) == Numerics().model_dump(**others)
+    assert scene.name == "scene"
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "expected"),
+    [
+        ("cell.diameter", "5 um", 5.0),
+        ("cell.diameter", "5 µm", 5.0),  # micro sign
+        ("cell.diameter", "5 μm", 5.0),  # Greek mu
+        ("cell.diameter", "5e-6m", 5.0),
+        ("cell.diameter", 5, 5.0),
+        ("wall.thickness", "100 nm", 0.1),
+        ("wall.thickness", "0.0001 mm", 0.1),
+        ("turgor.pressure", "2 atm", 0.202650),
+        ("turgor.pressure", "-3 bar", -0.3),
+        ("turgor.pressure", "250 kPa", 0.25),
+        ("turgor.pressure", 0, 0.0),
+        ("wall.shear_modulus", "40 N/mm^2", 40.0),
+        ("wall.shear_modulus", "0.04 GPa", 40.0),
+        ("growth.time", "45 min", 45.0),
+        ("growth.time", "0.5 h", 30.0),
+        ("growth.time", "30 s", 0.5),
+        ("growth.zone.half_angle", "24 deg", 24.0),
+        ("growth.zone.half_angle", "24°", 24.0),
+    ],
+)
+def test_units_are_converted_to_the_last_digit(bud, key, text, expected):
+    value = bud.with_values({key: text})
+    for part in key.split("."):
+        value = getattr(value, part)
+    assert isinstance(value, float)
+    assert value == expected
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("wall.thickness", 2.4999),
+        ("wall.ogden_exponent", -4),
+        ("turgor.pressure", -1),
+        ("turgor.ramp", 0),
+        ("growth.zone.half_angle", 180),
+        ("numerics.elements", 2),
+        ("numerics.elements", 100_000),
+        ("numerics.order", 4),
+        ("numerics.thickness_points", 1),
+        ("numerics.thickness_points", 16),
+        ("numerics.tolerance", 0.1),
+    ],
+)
+def test_the_ends_of_every_range_are_allowed(bud, key, value):
+    table, *keys = key.split(".")
+    found = getattr(bud.with_values({key: value}), table)
+    for part in keys:
+        found = getattr(found, part)
+    assert found == value
+
+
+def test_radians_become_degrees(bud):
+    zone = bud.with_values({"growth.zone.half_angle": "0.4 rad"}).growth.zone
+    assert zone.half_angle == pytest.approx(22.918311805232928, abs=1e-13)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_are_complete_and_valid(name):
+    preset = dataclasses.asdict(PRESETS[name])
+    assert {"preset", *preset} == set(Numerics.model_fields)
+    given = {key: value for key, value in preset.items() if value is not None or key == "step"}
+    assert Numerics(preset=name) == Numerics(preset=name, **given)
+
+
+def test_more_elements_for_a_smaller_tolerance_and_more_to_resolve():
+    bud = Scene.from_toml(BUD).with_values({"numerics": {}})
+    scenes = [bud.with_values({"numerics.tolerance": t}) for t in (1e-3, 1e-4, 1e-6)]
+    elements = [scene.numerics.elements for scene in scenes]
+    assert elements == sorted(set(elements))
+    assert scenes[1].with_values({"growth.zone.pole": "both"}).numerics.elements > elements[1]
+    assert scenes[1].with_values({"growth": None}).numerics.elements < elements[1]
+    assert scenes[1].with_values({"numerics.elements": 20}).numerics.elements == 20
+    assert Scene.from_toml(scenes[2].to_toml()) == scenes[2]
+
+
+def test_the_paper_preset_is_the_paper():
+    paper = Scene.from_toml(BALLOON + '[numerics]\npreset = "paper"').numerics
+    assert (paper.elements, paper.order, paper.thickness_points) == (480, 1, 3)
+    assert (paper.grading, paper.geometry) == ("uniform", "conical")
+    assert (paper.integrator, paper.step) == ("backward-euler", 0.2)
+
+
+def test_a_key_overrides_its_preset_alone():
+    paper = Scene.from_toml(BALLOON + '[numerics]\npreset = "paper"\nstep = "adaptive"').numerics
+    assert paper == Numerics(
+        **{"preset": "paper", **dataclasses.asdict(PRESETS["paper"]), "step": None}
+    )
+
+
+def test_saved_times_are_sorted_and_unique_and_default_to_the_end(bud):
+    saved = bud.with_values({"run.save": [90, "1 h", 40, 60.0, 0]}).run.save
+    assert saved == (0.0, 40.0, 60.0, 90.0)
+    assert Run(end=30).save == (30.0,)
+
+
+@pytest.mark.parametrize("text", [BUD, BALLOON, BALLOON + '[numerics]\npreset = "paper"'])
+def test_written_scenes_read_back_equal(text):
+    scene = Scene.from_toml(text)
+    written = scene.to_toml()
+    assert Scene.from_toml(written) == scene
+    assert Scene.from_toml(written).to_toml() == written
+
+
+def test_written_scenes_spell_out_every_default():
+    written = Scene.from_toml(BALLOON + '[run]\nend = 9\n[numerics]\nstep = "adaptive"').to_toml()
+    for key in ("title", "ogden_exponent", "ramp", "save", *Numerics.model_fields):
+        assert f"\n{key} = " in written
+
+
+def test_an_infinite_shear_penalty_goes_in_and_out():
+    scene = Scene.from_toml(BALLOON + "[numerics]\nshear_penalty = inf")
+    assert scene.numerics.shear_penalty == float("inf")
+    assert Scene.from_toml(scene.to_toml()) == scene
+
+
+def test_values_can_be_changed(bud):
+    changed = bud.with_values({"growth.time": 30, "wall.shear_modulus": "20 MPa"})
+    assert (changed.growth.time, changed.wall.shear_modulus) == (30.0, 20.0)
+    assert (bud.growth.time, bud.wall.shear_modulus) == (45.0, 40.0)
+    assert changed != bud
+    assert changed.with_values({"growth.time": 45, "wall.shear_modulus": 40}) == bud
+
+
+def test_what_was_never_set_follows_a_change():
+    scene = Scene.from_toml(BALLOON + "[run]\nend = 90\n[numerics]\norder = 2\n")
+    paper = scene.with_values({"numerics.preset": "paper", "run.end": 30})
+    assert paper.numerics == Numerics(preset="paper", order=2)
+    assert paper.run.save == (30.0,)
+    back = paper.with_values({"numerics.preset": "default", "run.end": 90})
+    assert back == scene
+
+
+def test_tables_can_be_changed_as_a_whole_and_left_out(bud):
+    zone = {"pole": "bottom", "half_angle": 10}
+    changed = bud.with_values({"growth.zone": zone, "growth.zone.half_angle": 30})
+    assert changed.growth.zone == Zone(pole="bottom", half_angle=30)
+    assert zone == {"pole": "bottom", "half_angle": 10}
+    assert bud.with_values({"growth.zone": Zone(pole="top", half_angle=90)}).growth.time == 45
+    elastic = bud.with_values({"growth": None, "numerics.step": None})
+    assert elastic.growth is None
+    assert elastic.numerics.step is None
+    assert elastic.with_values({"growth": bud.growth, "numerics.step": 0.2}) == bud
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("growth.time=30 min", "growth.time", "30 min"),
+        ("growth.time=30", "growth.time", 30),
+        (" growth.time = '30 min' ", "growth.time", "30 min"),
+        ("growth.zone.half_angle=1e1", "growth.zone.half_angle", 10.0),
+        ("run.save=[1, 2]", "run.save", [1, 2]),
+        ("numerics.integrator=sdirk2", "numerics.integrator", "sdirk2"),
+        ("title=a=b", "title", "a=b"),
+        ("title=1\nx=2", "title", "1\nx=2"),
+    ],
+)
+def test_assignments(text, key, value):
+    assert parse_assignment(text) == (key, value)
+
+
+def test_values_of_assignments_are_toml_or_text():
+    assert parse_value("45 min") == "45 min"
+    assert parse_value("true") is True
+    assert parse_value("[" * 10_000) == "[" * 10_000
+
+
+@pytest.mark.parametrize("text", ["growth.time", "=3", "growth.time=", "", "="])
+def test_malformed_assignments(text):
+    with pytest.raises(SceneError, match=r"TABLE\.KEY=VALUE"):
+        parse_assignment(text)
+
+
+def test_names(tmp_path, bud):
+    path = tmp_path / "my-bud.toml"
+    path.write_text(BUD, encoding="utf-8")
+    scene = Scene.load(path)
+    assert scene.name == "my-bud"
+    assert scene.with_values({"growth.time": 30}).name == "my-bud"
+    assert bud.name == "s-cerevisiae-bud"
+    assert scene == bud
+    assert hash(scene) == hash(bud)
+    assert "my-bud" not in scene.to_toml()
+
+
+def test_scenes_survive_pickling_with_their_name_and_presets(tmp_path):
+    path = tmp_path / "bud.toml"
+    path.write_text(BALLOON)
+    scene = pickle.loads(pickle.dumps(Scene.load(path)))
+    assert scene.name == "bud"
+    assert scene.with_values({"numerics.preset": "paper"}).numerics.elements == 480
+
+
+def test_windows_files_are_read(tmp_path, bud):
+    path = tmp_path / "bud.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + BUD.replace("\n", "\r\n").encode())
+    assert Scene.load(path) == bud
+
+
+def test_scenes_are_frozen(bud):
+    with pytest.raises(ValidationError, match="frozen"):
+        bud.wall.thickness = 1.0
+
+
+def test_a_scene_loads_neither_dolfinx_nor_pint(tmp_path):
+    path = tmp_path / "balloon.toml"
+    path.write_text(BALLOON)
+    code = (
+        "import sys; from fenics_yeast.scene import Scene; Scene.load(sys.argv[1]);"
+        "print(*{'dolfinx', 'ufl', 'petsc4py', 'matplotlib', 'pint'} & set(sys.modules))"
+    )
+    root = Path(__file__).parents[2]
+    ran = subprocess.run(
+        [sys.executable, "-c", code, path], cwd=root, capture_output=True, text=True, check=True
+    )
+    assert ran.stdout.strip() == ""

@@ -1,0 +1,130 @@
+"""Whatever goes wrong in a run, what was computed before is kept and readable."""
+
+import numpy as np
+import pytest
+import ufl
+
+from fenics_yeast import Scene, simulate
+from fenics_yeast.mechanics import growth_laws as growth
+from fenics_yeast.mechanics.laws import Law
+from fenics_yeast.simulation.result import COLUMNS, Profile, Result, Row
+from fenics_yeast.solve.time_stepper import Evolution
+
+LAW = {"sigma_trs": 1.0, "t_grw": 45.0}
+
+
+@pytest.fixture
+def scene(sphere_scene: Scene) -> Scene:
+    """A sphere that grows everywhere, with steps of 1 min."""
+    return sphere_scene.with_values({"run.save": [2.0, 8.0]})
+
+
+class Listener:
+    """An observer that raises something at a row."""
+
+    def __init__(self, at: int, problem: BaseException) -> None:
+        self.at, self.problem = at, problem
+        self.rows: list[Row] = []
+        self.profiles: list[Profile] = []
+
+    def accepted(self, row: Row) -> None:
+        self.rows.append(row)
+        if len(self.rows) == self.at:
+            raise self.problem
+
+    def saved(self, profile: Profile) -> None:
+        self.profiles.append(profile)
+
+
+def assert_kept(result: Result, rows: int) -> None:
+    """So many rows of numbers, and the profile of the last of them."""
+    history = result.history
+    assert len(history) >= rows
+    assert all(np.isfinite(getattr(history, name)).all() for name in COLUMNS)
+    assert result.profiles.all[-1].time == history.time_min[-1] == result.end_time
+    assert all(np.isfinite(array).all() for array in result.profiles.arrays().values())
+
+
+def test_a_law_that_turns_into_no_number_ends_the_run_where_it_does(scene: Scene) -> None:
+    """The wall has no growth rate beyond a growth strain of 0.05."""
+
+    def brittle(point, sigma_trs, t_grw):  # type: ignore[no-untyped-def]
+        rate = growth.stress_driven(point, sigma_trs, t_grw)
+        return (1 + 1e-9 * ufl.ln(0.05 - point.eps_g[0])) * rate
+
+    result = simulate(scene, growth_law=Law(brittle, LAW))
+    assert result.status == "failed"
+    assert "however small, converged: the residual is not a number" in result.message
+    assert_kept(result, 2)
+    # What is there is that of the same wall with the usual law.
+    usual = simulate(scene)
+    np.testing.assert_allclose(
+        result.history.volume_ratio[:2], usual.history.volume_ratio[:2], rtol=1e-6
+    )
+    assert 0.04 < result.history.max_growth_strain[-1] < 0.05
+
+
+def test_an_error_in_the_text_of_a_law_is_its_own(scene: Scene) -> None:
+    def wrong(point):  # type: ignore[no-untyped-def]
+        raise ZeroDivisionError("in my law")
+
+    with pytest.raises(ValueError, match="ZeroDivisionError: in my law"):
+        simulate(scene, growth_law=Law(wrong))
+
+
+def test_an_unforeseen_error_in_a_run_keeps_what_it_has(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    attempt = Evolution.attempt
+
+    def breaks(self: Evolution, end: float):  # type: ignore[no-untyped-def]
+        if end > 4.5:
+            self.shell.w.x.array[:] = np.nan
+            raise RuntimeError("the machine broke")
+        return attempt(self, end)
+
+    caplog.set_level("DEBUG")
+    monkeypatch.setattr(Evolution, "attempt", breaks)
+    result = simulate(scene)
+    assert result.status == "failed"
+    assert "RuntimeError: the machine broke" in result.message
+    assert "the machine broke" in caplog.text  # with its place
+    assert_kept(result, 5)
+    assert result.end_time == 4
+    assert [profile.time for profile in result.profiles] == [2, 4]
+
+
+def test_an_interrupt_keeps_what_it_has(scene: Scene) -> None:
+    listener = Listener(6, KeyboardInterrupt())
+    result = simulate(scene, observer=listener)
+    assert result.status == "interrupted"
+    assert "5 min" in result.message
+    assert_kept(result, 6)
+    assert [profile.time for profile in listener.profiles] == [2, 5]
+
+
+def test_an_interrupt_within_newtons_method_keeps_the_accepted_state(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stages = Evolution._stages
+
+    def interrupted(self: Evolution, end: float):  # type: ignore[no-untyped-def]
+        step = stages(self, end)
+        if end > 4.5:
+            raise KeyboardInterrupt
+        return step
+
+    whole = simulate(scene)
+    monkeypatch.setattr(Evolution, "_stages", interrupted)
+    result = simulate(scene)
+    assert result.status == "interrupted"
+    assert_kept(result, 5)
+    largest = result.profiles.at(4).growth_strain.max()
+    assert largest == pytest.approx(whole.history.at(4).max_growth_strain, rel=1e-12)
+
+
+def test_what_an_observer_raises_comes_out(scene: Scene) -> None:
+    listener = Listener(3, ZeroDivisionError("mine"))
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        simulate(scene, observer=listener)
+    assert len(listener.rows) == 3  # and it is told nothing more

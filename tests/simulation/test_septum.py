@@ -1,0 +1,158 @@
+"""Separation: pieces begin as the cut leaves them, and go on as cells of their own."""
+
+import numpy as np
+import pytest
+from support.scenes import BALLOON, BUD
+
+from fenics_yeast import Scene, simulate
+from fenics_yeast.scene import SceneError
+from fenics_yeast.simulation.separation import pieces
+
+CUT = 70.0
+
+
+@pytest.fixture(scope="module")
+def bud(cell_scene: Scene) -> Scene:
+    numerics = {"elements": 16, "order": 4, "thickness_points": 3, "tolerance": 1e-4}
+    run = {"end": 76.0, "save": [40.0, CUT, 76.0]}
+    return cell_scene.with_values({"numerics": numerics, "septum": {}, "run": run})
+
+
+@pytest.fixture(scope="module")
+def whole(bud):
+    return simulate(bud.with_values({"run": {"end": CUT}}))
+
+
+@pytest.fixture(scope="module")
+def parts(bud, whole):
+    """Results of the lower and the upper piece."""
+    return [simulate(piece, state=whole.profiles.at(CUT)) for piece in pieces(bud, CUT)]
+
+
+def test_volumes_add_up_at_the_cut(whole, parts):
+    volumes = [part.history.volume_um3[0] for part in parts]
+    assert sum(volumes) == pytest.approx(whole.history.volume_um3[-1], rel=1e-10)
+    assert min(volumes) > 5
+
+
+def test_nothing_moves_at_the_cut(bud, whole):
+    """Positions, angles, strains and stresses of both pieces are those of the whole."""
+    state = whole.profiles.at(CUT)
+    for piece in pieces(bud, CUT):
+        wall = simulate(piece.with_values({"run.save": [0.0]}), state=state).profiles.at(0)
+        nodes = np.abs(state.S[:, None] - wall.S).argmin(axis=0)
+        points = np.abs(state.S_points[:, None] - wall.S_points).argmin(axis=0)
+        for name in ("r", "z", "psi"):
+            found, expected = getattr(wall, name), getattr(state, name)[nodes]
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(wall.strain, state.strain[points], rtol=0, atol=1e-6)
+        np.testing.assert_array_equal(wall.growth_strain, state.growth_strain[points])
+
+
+def test_the_septum_holds_the_neck_of_the_daughter(whole, parts):
+    """And the daughter goes on to grow, faster than the mother gives way."""
+    neck = parts[1].history.neck_radius_um
+    np.testing.assert_allclose(neck, whole.history.neck_radius_um[-1], rtol=1e-12)
+    assert parts[1].history.volume_um3[-1] > parts[1].history.volume_um3[0] + 0.5
+    np.testing.assert_allclose(parts[0].history.volume_um3, parts[0].history.volume_um3[0])
+
+
+def test_pieces_keep_to_the_turgor_in_time(bud, whole):
+    """The mother gives way to more of it as the table of the whole cell has it."""
+    table = {"time": [0, 72, 74], "value": [0.20265, 0.20265, 0.25]}
+    lower, _ = pieces(bud.with_values({"turgor.pressure": table}), CUT)
+    assert lower.turgor.pressure.time == (0.0, 2.0, 4.0)
+    history = simulate(lower, state=whole.profiles.at(CUT)).history
+    assert history.at(2).volume_um3 == pytest.approx(history.volume_um3[0], rel=1e-7)
+    assert history.pressure_MPa[-1] == pytest.approx(0.25)
+    assert history.volume_um3[-1] > 1.004 * history.volume_um3[0]
+
+
+def test_an_unloaded_piece_is_a_clamped_cap(bud):
+    """The upper piece from its unloaded wall, and the cell of that shape, to 30 min."""
+    run = {"run": {"end": 30.0}, "numerics.elements": 40}
+    piece = simulate(bud.with_values({**run, "septum.piece": "top"})).history
+    cap = {"shape": "cap", "radius": 2.5, "half_angle": 24.0, "edge": "clamped"}
+    changes = {"cell": cap, "septum": None, "growth.zone.half_angle": 24.0}
+    alone = simulate(bud.with_values({**run, **changes})).history
+    assert piece.volume_ratio[-1] == pytest.approx(alone.volume_ratio[-1], rel=1e-5)
+    assert piece.volume_ratio[-1] > 1.5
+
+
+def test_growth_keeps_to_its_times_after_the_cut(bud):
+    lower, upper = pieces(bud.with_values({"growth.from": 10.0, "growth.until": 72.0}), CUT)
+    assert upper.growth.span == (0.0, 2.0)
+    assert (upper.run.end, upper.run.save) == (6.0, (6.0,))
+    past = bud.with_values({"growth.until": 60.0})
+    ended = pieces(past, CUT)[1]
+    assert ended.growth.span[0] >= ended.run.end
+    assert Scene.from_toml(lower.to_toml()) == lower
+
+
+SCRIPT = """
+import numpy as np
+from mpi4py import MPI
+from fenics_yeast import Scene, simulate
+from fenics_yeast.simulation.separation import pieces
+scene = Scene.from_toml('''{scene}''')
+whole = simulate(scene.with_values({{"run": {{"end": 20}}}}))
+state = whole.profiles.at(20) if MPI.COMM_WORLD.rank == 0 else None
+volumes = [simulate(piece, state=state).history.volume_um3[[0, -1]] for piece in pieces(scene, 20)]
+if MPI.COMM_WORLD.rank == 0:
+    np.save("volumes.npy", volumes)
+"""
+
+
+def test_ranks_share_the_pieces(bud, mpirun):
+    scene = bud.with_values({"run": {"end": 22.0}, "numerics.step": 1.0})
+    text = SCRIPT.format(scene=scene.to_toml())
+    alone, shared = (np.load(mpirun(text, ranks) / "volumes.npy") for ranks in (1, 2))
+    np.testing.assert_allclose(shared, alone, rtol=1e-9)
+
+
+# --- what is refused ----------------------------------------------------------------------
+
+
+def test_a_state_of_another_wall_is_refused(bud, whole):
+    state = whole.profiles.at(CUT)
+    lower, upper = pieces(bud, CUT)
+    with pytest.raises(ValueError, match="numerics must be the same"):
+        simulate(upper.with_values({"numerics.elements": 20}), state=state)
+    with pytest.raises(ValueError, match="3 thickness points"):
+        simulate(upper.with_values({"numerics.thickness_points": 5}), state=state)
+    with pytest.raises(ValueError, match="goes on after the cut"):
+        pieces(bud, 76.0)
+    with pytest.raises(ValueError, match="whole cell"):
+        pieces(lower, 3.0)
+
+
+def test_what_has_grown_must_be_able_to_grow(bud):
+    even = {"numerics.grading": "uniform", "numerics.elements": 20, "run": {"end": 5.0}}
+    wide = bud.with_values({**even, "growth.zone": {"from_fraction": 0.8, "to_fraction": 1}})
+    state = simulate(wide).profiles.at(5)
+    narrow = wide.with_values({"growth.zone.from_fraction": 0.9})
+    with pytest.raises(ValueError, match="outside of the scene's growing zones"):
+        simulate(narrow, state=state)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (BALLOON + "[septum]", ["septum.at is missing", "where there is no neck"]),
+        (BALLOON + "[septum]\nat = 9", ["septum.at = 9", "ends at 7.85398 µm"]),
+        (BALLOON + "[septum]\nat = -1", ["septum.at = -1", "greater than 0"]),
+        (BUD + '[septum]\npiece = "left"', ["septum.piece", '"bottom", "top"']),
+        (
+            BALLOON.replace('shape = "sphere"\ndiameter = 5', 'shape = "disc"\ndiameter = 5')
+            + "[septum]\nat = 1",
+            ["septum = {...}", "a closed cell is wanted, and a disc is none"],
+        ),
+    ],
+)
+def test_wrong_septa_are_told_in_one_line(text, said):
+    with pytest.raises(SceneError) as caught:
+        Scene.from_toml(text)
+    message = str(caught.value)
+    assert len(message.splitlines()) == 1
+    for part in said:
+        assert part in message

@@ -1,0 +1,146 @@
+"""A run step by step from Python, and what a notebook shows of it."""
+
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fenics_yeast import Scene, Simulation, simulate
+from fenics_yeast.simulation.result import COLUMNS, History, Profiles, Result, Row
+
+
+@pytest.fixture
+def scene(sphere_scene: Scene) -> Scene:
+    """A sphere that grows everywhere, with steps of 1 min."""
+    return sphere_scene.with_values({"run.save": [2.0, 8.0]})
+
+
+@pytest.fixture(scope="module")
+def whole(sphere_scene: Scene) -> Result:
+    return simulate(sphere_scene.with_values({"run.save": [2.0, 8.0]}))
+
+
+def test_a_callback_hears_of_every_row(scene: Scene, whole: Result) -> None:
+    rows: list[Row] = []
+    result = simulate(scene, callback=rows.append)
+    assert tuple(rows) == result.history.rows == whole.history.rows
+
+
+def test_what_a_callback_raises_comes_out(scene: Scene) -> None:
+    def stop(row: Row) -> None:
+        if row.time_min > 2:
+            raise ZeroDivisionError("mine")
+
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        simulate(scene, callback=stop)
+
+
+def test_steps_by_hand_are_those_of_a_run(scene: Scene, whole: Result) -> None:
+    with Simulation(scene) as simulation:
+        rows = list(simulation)
+    assert tuple(rows) == whole.history.rows
+    result = simulation.result
+    assert (result.status, result.message) == (whole.status, whole.message)
+    assert len(result.profiles) == 2
+    assert list(simulation) == []
+
+
+def test_a_loop_that_is_left_keeps_what_it_has(scene: Scene, whole: Result) -> None:
+    with Simulation(scene) as simulation:
+        for row in simulation:
+            if row.time_min > 2.5:
+                break
+        so_far = simulation.result
+        assert so_far.status == "interrupted" and len(so_far.profiles) == 1
+    result = simulation.result
+    assert result.status == "interrupted" and result.message == "stopped at 3 min"
+    assert result.history.rows == whole.history.rows[:4]
+    assert [profile.time for profile in result.profiles] == [2, 3]
+    assert list(simulation) == []  # the block is over
+
+
+def test_a_loop_can_be_taken_up_again(scene: Scene, whole: Result) -> None:
+    with Simulation(scene) as simulation:
+        first = next(simulation)
+        rest = list(simulation)
+    assert (first, *rest) == whole.history.rows
+    assert simulation.result.status == "finished"
+
+
+def test_an_interrupt_between_two_steps_is_one(
+    scene: Scene, whole: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    step = Simulation.__next__
+
+    def interrupted(simulation: Simulation) -> Row:
+        if len(simulation.result.history) == 4:
+            raise KeyboardInterrupt
+        return step(simulation)
+
+    monkeypatch.setattr(Simulation, "__next__", interrupted)
+    result = simulate(scene)
+    assert (result.status, result.message) == ("interrupted", "interrupted at 3 min")
+    assert result.history.rows == whole.history.rows[:4]
+
+
+def test_an_error_in_the_loop_frees_the_solvers(scene: Scene) -> None:
+    with pytest.raises(ZeroDivisionError), Simulation(scene) as simulation:
+        for row in simulation:
+            assert 1 / (row.time_min - 3)
+    assert simulation.result.message == "stopped at 3 min"
+
+
+def test_the_time_between_steps_is_not_the_loops(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from time import sleep
+
+    with Simulation(scene) as simulation:
+        for _ in simulation:
+            sleep(0.2)
+    timings = simulation.result.timings
+    assert timings.total_s > 9 * 0.2 > timings.loop_s
+
+
+# --- notebooks ----------------------------------------------------------------------------
+
+
+def test_results_show_as_small_tables(whole: Result) -> None:
+    html = whole._repr_html_()
+    assert html.count("<tr>") == 3  # head, 2 min, 8 min
+    assert f"<td>{whole.history.at(8).volume_ratio:.6f}</td>" in html
+    assert "finished: reached 8 min" in html and "finished" in repr(whole)
+    assert whole.profiles._repr_html_().count("<tr>") == 3
+    assert whole.history._repr_html_().count("<tr>") == 10
+    many = History([whole.history.rows[0]] * 500)
+    assert many._repr_html_().count("<tr>") == 12
+    for empty in (History(()), Profiles(())):
+        assert "empty" in repr(empty) and "<table>" in empty._repr_html_()
+
+
+def test_a_message_is_no_html(whole: Result) -> None:
+    from dataclasses import replace
+
+    assert "a &lt; b" in replace(whole, message="a < b")._repr_html_()
+
+
+def test_a_history_is_a_frame_where_pandas_is(whole: Result) -> None:
+    pandas = pytest.importorskip("pandas")
+    frame = whole.history.to_frame()
+    assert list(frame.columns) == list(COLUMNS)
+    assert isinstance(frame, pandas.DataFrame)
+    np.testing.assert_array_equal(frame["volume_ratio"], whole.history.volume_ratio)
+
+
+def test_a_frame_gets_all_columns(whole: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
+    assert list(whole.history.to_frame()) == list(COLUMNS)
+
+
+def test_without_pandas_a_line_says_what_to_do(
+    whole: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ImportError, match=r"^to_frame needs pandas; run: pip install pandas$"):
+        whole.history.to_frame()

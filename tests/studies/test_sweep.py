@@ -1,0 +1,378 @@
+"""Sweeps: which cases they take in, how these run side by side, what is left when some do not."""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.command import COMMAND, hear, lines, wait_for
+
+from fenics_yeast import Scene, SceneError, simulate
+from fenics_yeast.output.reading import load_history, load_status
+from fenics_yeast.studies.cases import parse_variation, plan, unit_symbol
+
+# Marks of a process that has initialised MPI, which those that it starts must not inherit.
+ENVIRONMENT = {
+    name: value
+    for name, value in os.environ.items()
+    if not name.startswith(("OMPI_COMM", "OMPI_UNIVERSE", "PMIX", "PMI_", "ORTE", "PRTE_LAUNCHED"))
+}
+
+# The forms of the paper's preset, on few cells and with long steps.
+SCENE = """\
+title = "Test bud"
+[cell]
+shape = "sphere"
+diameter = "5 um"
+[wall]
+thickness = "100 nm"
+shear_modulus = "40 MPa"
+[turgor]
+pressure = "2 atm"
+[growth]
+zone = { pole = "top", half_angle = 24.0 }
+threshold = "1 MPa"
+time = "45 min"
+[run]
+end = "8 min"
+save = [4, 8]
+[numerics]
+preset = "paper"
+elements = 60
+step = "2 min"
+"""
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory, with a scene in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bud.toml").write_text(SCENE)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def bud() -> Scene:
+    return Scene.from_toml(SCENE)
+
+
+def start(*arguments: str) -> subprocess.Popen[str]:
+    """Start a sweep as a process group of its own, as a terminal does."""
+    pipe = subprocess.PIPE
+    return subprocess.Popen(
+        [*COMMAND, "sweep", "bud.toml", "--out", "sweep", *arguments], env=ENVIRONMENT,
+        stdout=pipe, stderr=pipe, text=True, preexec_fn=hear, start_new_session=True,
+    )  # fmt: skip
+
+
+def sweep(*arguments: str, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    process = start(*arguments)
+    output, errors = process.communicate(timeout=timeout)
+    return subprocess.CompletedProcess(arguments, process.returncode, output, errors)
+
+
+def table(folder: Path) -> list[dict[str, str]]:
+    with open(folder / "sweep" / "sweep.csv") as file:
+        return list(csv.DictReader(file))
+
+
+# Planning -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "held"),
+    [
+        ("growth.time=30,45 min,1 h", [30, 45, 60]),
+        ("growth.threshold=0.9:1.1:5", [0.9, 0.95, 1.0, 1.05, 1.1]),
+        ("growth.threshold=0.9 MPa:1.1 MPa:3", [0.9, 1.0, 1.1]),
+        ("growth.threshold=900:1100 kPa:3", [0.9, 1.0, 1.1]),
+        ("growth.threshold = 1 , 0.9:1.1:3", [1.0, 0.9, 1.1]),
+        ("turgor.pressure=-1e-1:0.1:3", [-0.1, 0.0, 0.1]),
+        ("numerics.elements=10:30:3", [10, 20, 30]),
+        ("numerics.preset=paper,default", ["paper", "default"]),
+        ("numerics.geometry='conical',\"curved\"", ["conical", "curved"]),
+        ("run.save=[4,8],[8]", ["[4 8]", "[8]"]),
+    ],
+)
+def test_values_are_read_with_units_and_ranges(bud: Scene, text: str, held: list) -> None:
+    cases = plan(bud, [parse_variation(text)])
+    assert [case.values[0] for case in cases] == held  # to the last digit: 0.95, not 0.9500001
+    assert len({case.name for case in cases}) == len(cases)
+    assert all(set(case.name) <= set("=.+,-_" + "abcdefghijklmnopqrstuvwxyz0123456789")
+               for case in cases)  # fmt: skip
+
+
+def test_cases_are_the_product_of_the_lists(bud: Scene) -> None:
+    cases = plan(
+        bud, [parse_variation("growth.time=30,60"), parse_variation("growth.threshold=1:2:3")]
+    )
+    assert [case.values for case in cases] == [
+        (30, 1), (30, 1.5), (30, 2), (60, 1), (60, 1.5), (60, 2)
+    ]  # fmt: skip
+    assert cases[4].name == "growth.time=60_growth.threshold=1.5"
+    assert cases[4].scene == bud.with_values({"growth.time": 60, "growth.threshold": 1.5})
+    assert unit_symbol(cases[0].scene, "growth.threshold") == "MPa"
+    assert unit_symbol(cases[0].scene, "turgor.pressure") == "MPa"
+    assert unit_symbol(cases[0].scene, "numerics.elements") == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("growth.time", "write TABLE.KEY"),
+        ("growth.time=", "write TABLE.KEY"),
+        ("=3", "write TABLE.KEY"),
+        ("growth.time=30,,45", "write TABLE.KEY"),
+        ("growth.time=30:45", "a range is A:B:N"),
+        ("growth.time=30:45:1", "a range is A:B:N"),
+        ("growth.time=30:45:1e9", "a range is A:B:N"),
+        ("growth.time=a:b:3", "a range is A:B:N"),
+        ("growth.time=30 min:1 h:3", "in one unit"),
+        ("growth.tim=30", "did you mean growth.time?"),
+        ("growth.time=45,-3", "growth.time = -3: a time greater than 0"),
+        ("growth.time=1 MPa:2 MPa:2", "a time greater than 0"),
+        ("numerics.elements=10:20:4", "a whole number"),
+        ("wall.thickness=1:9:3", "less than the cell's radius"),
+    ],
+)
+def test_what_cannot_be_planned_is_told_in_a_line(bud: Scene, text: str, words: str) -> None:
+    with pytest.raises(SceneError) as refusal:
+        plan(bud, [parse_variation(text)])
+    assert words in str(refusal.value) and "\n" not in str(refusal.value)
+
+
+# Running --------------------------------------------------------------------------------------
+
+
+def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) -> None:
+    vary = ("--vary", "growth.time=30,45", "--vary", "growth.threshold=0.9 MPa:1.1 MPa:2")
+    done = sweep(*vary, "--jobs", "2", "--set", "run.save=[2,8]")
+    assert (done.returncode, done.stderr) == (0, "")
+    *lines, last = done.stdout.splitlines()
+    assert sorted(line.split()[0] for line in lines) == ["1/4", "2/4", "3/4", "4/4"]
+    assert last == "4 cases: 4 finished; see sweep/sweep.csv, sweep/sweep.png"
+    assert (here / "sweep" / "sweep.png").read_bytes().startswith(b"\x89PNG")
+    rows = table(here)
+    assert [(row["growth.time"], row["growth.threshold"]) for row in rows] == [
+        ("30.0", "0.9"), ("30.0", "1.1"), ("45.0", "0.9"), ("45.0", "1.1")
+    ]  # fmt: skip
+    for row in rows:
+        folder = here / "sweep" / row["case"]
+        assert not (folder / "figures").exists()
+        changes = {key: float(row[key]) for key in ("growth.time", "growth.threshold")}
+        alone = simulate(Scene.from_toml(SCENE).with_values({**changes, "run.save": [2, 8]}))
+        for time_min in (2, 8):
+            found = float(row[f"volume_ratio_at_{time_min}_min"])
+            assert found == pytest.approx(alone.history.at(time_min).volume_ratio, abs=1e-12)
+        np.testing.assert_allclose(
+            load_history(folder).volume_ratio, alone.history.volume_ratio, rtol=1e-12
+        )
+        assert (row["status"], float(row["end_time_min"])) == ("finished", 8)
+        assert float(row["wall_s"]) > 0
+    plot = subprocess.run([*COMMAND, "plot", "sweep"], capture_output=True, text=True, check=True)
+    assert plot.stdout == "sweep/sweep.png\n"
+    case = f"sweep/{rows[0]['case']}"
+    plot = subprocess.run([*COMMAND, "plot", case], capture_output=True, text=True, check=True)
+    assert f"{case}/figures/shapes.png" in plot.stdout
+
+
+def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
+    assert sweep("--vary", "growth.time=30,45", "--jobs", "1").returncode == 0
+    folders = {time: here / "sweep" / f"growth.time={time}" for time in (30, 45, 60)}
+    old = {time: folders[time].joinpath("run.json").stat().st_mtime_ns for time in (30, 45)}
+    # Another scene under the name of a case, and a summary that is not whole, are no answers.
+    text = (folders[45] / "scene.toml").read_text()
+    (folders[45] / "scene.toml").write_text(text.replace("thickness = 0.1", "thickness = 0.11"))
+    done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
+    assert done.stdout.startswith("1 of 3 cases are finished already\n2/3  growth.time=45")
+    new = {time: folders[time].joinpath("run.json").stat().st_mtime_ns for time in folders}
+    assert new[30] == old[30] and new[45] > old[45]
+    assert [row["growth.time"] for row in table(here)] == ["30.0", "45.0", "60.0"]
+    folders[60].joinpath("run.json").write_text("{")
+    done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
+    assert done.stdout.startswith("2 of 3 cases are finished already\n3/3  growth.time=60")
+    assert load_status(folders[60]) == "finished"
+
+
+def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
+    blocked = here / "sweep" / "growth.time=45"
+    blocked.mkdir(parents=True)
+    (blocked / "history.csv").write_text("precious")
+    done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1", "--quiet")
+    assert (done.returncode, done.stdout) == (4, "")
+    assert done.stderr == "error: 1 of 3 cases failed, growth.time=45 the first\n"
+    rows = table(here)
+    assert [row["status"] for row in rows] == ["finished", "failed", "finished"]
+    assert "holds a history.csv that no run has left" in rows[1]["message"]
+    assert (blocked / "history.csv").read_text() == "precious"
+
+
+def test_no_equilibrium_is_an_answer(here: Path) -> None:
+    done = sweep("--vary", "turgor.pressure=0.2,2", "--jobs", "1", "--quiet")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [row["status"] for row in table(here)] == ["finished", "no-equilibrium"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--vary", "growth.tim=3"), "did you mean growth.time?"),
+        (("--vary", "growth.time=3,-3"), "growth.time = -3"),
+        (("--vary", "growth.time=3", "--vary", "growth.time=4"), "given twice"),
+        (("--vary", "growth.time=3", "--set", "growth.tim=4"), "did you mean growth.time?"),
+        (("--vary", "growth.time=3", "--out", "bud.toml"), "bud.toml: is a file"),
+    ],
+)
+def test_what_is_wrong_is_told_before_anything_runs(
+    here: Path, arguments: tuple[str, ...], words: str
+) -> None:
+    done = sweep(*arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert words in done.stderr and done.stderr.count("\n") == 1
+    assert [path.name for path in here.iterdir()] == ["bud.toml"]
+
+
+def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
+    (here / "sweep").mkdir()
+    (here / "sweep" / "sweep.csv").write_text("my,own\n1,2\n")
+    done = sweep("--vary", "growth.time=3")
+    assert done.returncode == 2 and "no table that a sweep has left" in done.stderr
+    assert (here / "sweep" / "sweep.csv").read_text() == "my,own\n1,2\n"
+
+
+# Interrupted and killed -----------------------------------------------------------------------
+
+LONG = ("--set", "numerics.step=0.01")  # some seconds each
+
+
+@pytest.mark.parametrize("to_all", [True, False])
+def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_all: bool) -> None:
+    """A terminal interrupts every process; a batch system ends the first one."""
+    process = start("--vary", "growth.time=30,45,60", "--jobs", "2", *LONG)
+    first, second = (here / "sweep" / f"growth.time={time}" for time in (30, 45))
+    wait_for(lambda: lines(first) > 5 and lines(second) > 5, process)
+    if to_all:
+        os.killpg(process.pid, signal.SIGINT)
+    else:
+        process.send_signal(signal.SIGTERM)
+    output, errors = process.communicate(timeout=30)
+    assert (process.returncode, output) == (130, "")
+    # MPI's own daemon may have said something before.
+    assert errors.splitlines()[-1] == "interrupted; the same command goes on from here"
+    kept = {}
+    for folder in (first, second):
+        assert load_status(folder) == "interrupted"
+        kept[folder] = load_history(folder).rows
+        assert 4 < len(kept[folder]) < 800
+    assert not (here / "sweep" / "growth.time=60").exists()
+    done = sweep("--vary", "growth.time=30,45,60", "--jobs", "2", *LONG)
+    assert done.returncode == 0
+    assert [row["status"] for row in table(here)] == ["finished"] * 3
+    for folder in (first, second):  # gone on with, not begun again
+        assert load_history(folder).rows[: len(kept[folder])] == kept[folder]
+        assert load_history(folder).rows[-1].time_min == 8
+        assert load_history(folder).rows[len(kept[folder])].step_min == pytest.approx(0.01)
+
+
+def runs(process: int) -> bool:
+    """Whether a process lives: one that has ended and that nobody waits for has no command."""
+    try:
+        return bool(Path(f"/proc/{process}/cmdline").read_bytes())
+    except OSError:
+        return False
+
+
+def children(process: subprocess.Popen[str]) -> list[int]:
+    """Processes that run cases below one."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdecimal():
+            try:
+                parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
+                command = (entry / "cmdline").read_text()
+            except OSError:
+                continue
+            if parent == process.pid and "spawn_main" in command:
+                found.append(int(entry.name))
+    return found
+
+
+def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
+    """Whoever is killed twice is to blame; the others run again."""
+    process = start("--vary", "numerics.step=0.002,2,4", "--jobs", "1")
+    guilty = here / "sweep" / "numerics.step=0.002"
+    wait_for(lambda: lines(guilty) > 5, process)
+    for child in children(process):
+        os.kill(child, signal.SIGKILL)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 4
+    assert errors == "error: 1 of 3 cases failed, numerics.step=0.002 the first\n"
+    rows = table(here)
+    assert [row["status"] for row in rows] == ["failed", "finished", "finished"]
+    assert "process was killed" in rows[0]["message"]
+
+
+def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
+    process = start("--vary", "growth.time=30,45", "--jobs", "2", *LONG)
+    wait_for(lambda: lines(here / "sweep" / "growth.time=45") > 5, process)
+    workers = children(process)
+    assert len(workers) == 2
+    process.kill()
+    process.communicate()
+    deadline = time.monotonic() + 20
+    while any(map(runs, workers)):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_many_cases_in_one_process_take_the_memory_of_a_few(bud: Scene) -> None:
+    """A run that leaves its solver behind costs 30 kB each time."""
+    code = """
+import sys
+from mpi4py import MPI
+from fenics_yeast import Scene, simulate
+
+def memory():
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4
+
+bud = Scene.from_toml(sys.argv[1])
+taken = []
+for i in range(120):
+    simulate(bud.with_values({"growth.time": 30 + i, "run.end": 2}), comm=MPI.COMM_SELF)
+    taken.append(memory())
+print(taken[-1] - taken[59])
+"""
+    text = bud.with_values({"run.save": [2], "run.end": 2}).to_toml()
+    done = subprocess.run(
+        [sys.executable, "-c", code, text], capture_output=True, text=True, check=True
+    )
+    assert int(done.stdout) < 60 * 10
+
+
+# Ranks ----------------------------------------------------------------------------------------
+
+
+def test_ranks_share_the_cases(here: Path, mpirun: Callable[[str, int], Path]) -> None:
+    script = f"""
+import sys
+from fenics_yeast.command.main import main
+sys.argv[1:] = ["sweep", {str(here / "bud.toml")!r}, "--vary", "growth.time=30:60:7", "--out",
+                "sweep"]
+main()
+"""
+    folder = mpirun(script, 2)
+    rows = table(folder)
+    assert [float(row["growth.time"]) for row in rows] == [30, 35, 40, 45, 50, 55, 60]
+    assert {row["status"] for row in rows} == {"finished"}
+    bud = Scene.from_toml(SCENE)
+    for row in (rows[0], rows[-1]):  # run by one rank and by the other
+        alone = simulate(bud.with_values({"growth.time": float(row["growth.time"])}))
+        found = float(row["volume_ratio_at_8_min"])
+        assert found == pytest.approx(alone.history.at(8).volume_ratio, abs=1e-12)
