@@ -22,7 +22,7 @@ from fenics_yeast.simulation.discretise import Discretisation
 from fenics_yeast.simulation.result import Result, Status
 from fenics_yeast.solve.equilibrium import Equilibrium
 from fenics_yeast.solve.runge_kutta import TABLEAUX
-from fenics_yeast.solve.time_stepper import Evolution
+from fenics_yeast.solve.time_stepper import TimeStepper
 
 EDGE = R * np.pi * (1 - 24 / 180)  # arc length at the edge of the growing zone, µm
 
@@ -131,7 +131,7 @@ def uneven_mesh() -> Found:
     )  # fmt: skip
     unloaded = shell.volume()
     with Equilibrium(shell, 1e-7) as equilibrium:
-        evolution = Evolution(shell, equilibrium, TABLEAUX["sdirk3"], lambda time: P)
+        evolution = TimeStepper(shell, equilibrium, TABLEAUX["sdirk3"], lambda time: P)
         iterations = evolution.load()
         iterations += sum(evolution.step(time).iterations for time in np.arange(1.0, 81.0))
     return Found("finished", shell.volume() / unloaded, iterations)
@@ -171,7 +171,7 @@ def deflated_and_back() -> Found:
     """V/V0 of a bud after a fall of its turgor to 10 % and back, growth off, over that before."""
     shell = build_shell(BUD)
     with Equilibrium(shell, 1e-9) as equilibrium:
-        evolution = Evolution(shell, equilibrium, TABLEAUX["sdirk3"], lambda time: P)
+        evolution = TimeStepper(shell, equilibrium, TABLEAUX["sdirk3"], lambda time: P)
         iterations = evolution.load()
         iterations += sum(evolution.step(time).iterations for time in np.arange(2.0, 82.0, 2.0))
         before = shell.volume()

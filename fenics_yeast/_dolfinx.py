@@ -51,12 +51,12 @@ __all__ = [
     "accumulate",
     "assemble_matrix",
     "assemble_scalar",
-    "cell_tags",
-    "cell_vertices",
     "compile_expression",
     "compile_form",
     "create_matrix",
     "dof_array",
+    "element_tags",
+    "element_vertices",
     "end_dofs",
     "end_tag",
     "evaluate",
@@ -129,7 +129,7 @@ def membrane_space(mesh: Any, order: int) -> Any:
     return _space(mesh, ufl.VectorElement("Lagrange", mesh.ufl_cell(), order, dim=2))
 
 
-def cell_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
+def element_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
     """Tags of all local cells, ghosts among them."""
     cells = np.arange(len(values), dtype=np.int32)
     return dolfinx.mesh.meshtags(mesh, mesh.topology.dim, cells, values)
@@ -145,7 +145,7 @@ def end_tag(mesh: Any, S: float) -> Any:
     return dolfinx.mesh.meshtags(mesh, 0, vertices, ones)
 
 
-def cell_vertices(mesh: Any) -> NDArray[np.int32]:
+def element_vertices(mesh: Any) -> NDArray[np.int32]:
     """Indices of the two ends of each local cell in the geometry, shape ``(cells, 2)``."""
     geometry = mesh.geometry
     dofmap = geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
@@ -214,7 +214,7 @@ def unknown_places(space: Any) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
     shear, dofs = _part(space, 1)
     of_cell = dof_array(shear)
     S = shear.tabulate_dof_coordinates()[:, 0][of_cell]
-    middle = space.mesh.geometry.x[cell_vertices(space.mesh), 0].mean(axis=1, keepdims=True)
+    middle = space.mesh.geometry.x[element_vertices(space.mesh), 0].mean(axis=1, keepdims=True)
     of_cell = dofs[of_cell]
     components[of_cell], places[of_cell] = 3, (S + middle) / 2
     return components, places

@@ -156,7 +156,7 @@ def bud_run(reference_run: Callable[[str, int], SimpleNamespace]) -> Result:
 
 
 @pytest.fixture(scope="session")
-def one_cell():
+def one_element():
     """A mesh of one cell on one rank, on which functions of constants can be evaluated."""
     return dx.interval_mesh(dx.MPI.COMM_SELF, np.array([0.0, 1.0]))
 

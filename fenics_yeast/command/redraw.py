@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..figures import run_figures as plots
 from ..figures import write_surfaces
-from ..output import load_error_bars, load_history, load_profiles, load_scene, load_status
+from ..output import read_error_bars, read_history, read_profiles, read_scene, read_status
 from ..studies import TABLE
 from ..studies import figure as sweep_plots
 from .exits import on_terminal
@@ -43,9 +43,9 @@ def draw_folder(directory: Path, *, pdf: bool = False, moving: bool = False) -> 
 
             raise FilmError(f"{directory}: is a sweep; name the folder of one of its cases")
         return [path for suffix in suffixes for path in sweep_plots.draw(directory, suffix)]
-    scene, status = load_scene(directory), load_status(directory)
-    profiles = load_profiles(directory)  # before the history, which is ahead of them
-    history, bars = load_history(directory), load_error_bars(directory)
+    scene, status = read_scene(directory), read_status(directory)
+    profiles = read_profiles(directory)  # before the history, which is ahead of them
+    history, bars = read_history(directory), read_error_bars(directory)
     made = []
     for suffix in suffixes:
         made += plots.draw_all(directory, scene, history, profiles, status, bars, suffix)

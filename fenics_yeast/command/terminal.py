@@ -37,7 +37,7 @@ class Lines:
         if self._row is not None:
             print_line(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
 
-    def taken_up(self, row: Row, rows: int) -> None:
+    def resumed(self, row: Row, rows: int) -> None:
         """Say where the run goes on."""
         self.note(_taken_up(row, rows))
 
@@ -106,7 +106,7 @@ class ProgressLine:
     def saved(self, profile: Profile) -> None:
         """Nothing: the table at the end has it."""
 
-    def taken_up(self, row: Row, rows: int) -> None:
+    def resumed(self, row: Row, rows: int) -> None:
         """Say where the run goes on, and show the bar from there."""
         self.note(_taken_up(row, rows))
         self._progress.update(self._task, total=self._end, completed=row.time_min)

@@ -7,22 +7,22 @@ from __future__ import annotations
 
 from .growth_laws import WallPoint
 from .growth_state import GrowthState
-from .growth_weights import Bump, Weight, Weights
+from .growth_weights import Gaussian, Weight, Weights
 from .laws import Law, Parameter
-from .ordering import Layout, PointValues, Unknowns
+from .ordering import Ordering, PointValues, Unknowns
 from .own_laws import OwnLaw
-from .shell import Shell, Snapshot
+from .shell import Shell, ShellState
 
 __all__ = [
-    "Bump",
+    "Gaussian",
     "GrowthState",
     "Law",
-    "Layout",
+    "Ordering",
     "OwnLaw",
     "Parameter",
     "PointValues",
     "Shell",
-    "Snapshot",
+    "ShellState",
     "Unknowns",
     "WallPoint",
     "Weight",

@@ -27,7 +27,7 @@ class ArcLength:
 
     def __init__(self, mesh: Any, degree: int, stretch: Any) -> None:
         self._mesh = mesh
-        ends = mesh.geometry.x[dx.cell_vertices(mesh), 0]
+        ends = mesh.geometry.x[dx.element_vertices(mesh), 0]
         self._start, self._length = ends.min(axis=1), np.ptp(ends, axis=1)
         index_map = mesh.topology.index_map(1)
         self._owned = index_map.size_local

@@ -118,20 +118,20 @@ class GrowthState:
         """Set the growth strains from which the implicit part of a stage starts."""
         self._base[self._dofs] = values
 
-    def during(self, start: float, end: float) -> None:
+    def set_interval(self, start: float, end: float) -> None:
         """Let growth be as between two times in min; at one time, as right after it."""
         self.span = (start, end)
         for weight in self._weights:
-            weight.during(start, end)
+            weight.set_interval(start, end)
 
     def rate(self) -> Array:
         """Rate of the growth strains in the trial state, 1/min, in the layout of `get`."""
-        self.follow()
+        self.update_weights()
         return self._evaluate(self._rate)
 
     def update(self) -> bool:
         """Solve the stage equation at every point for the trial strains; False if it fails."""
-        self.follow()
+        self.update_weights()
         current = start = self.get()
         for iteration in range(_MOST_ITERATIONS):
             following = self._evaluate(self._newton_step)
@@ -149,7 +149,7 @@ class GrowthState:
         self.set(start)  # from which a smaller change of the strain may be followed
         return False
 
-    def follow(self) -> None:
+    def update_weights(self) -> None:
         """Bring weights that follow the wall up to the trial state."""
         for weight in self._weights:
             weight.update()

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Bump:
+class Gaussian:
     """A Gaussian of the arc length from a point.
 
     Attributes
@@ -57,7 +57,7 @@ class Weight:
 
     parts: Intervals
     span: tuple[float, float] = (0.0, inf)
-    bump: Bump | None = None
+    gaussian: Gaussian | None = None
 
     def grows(self, start: float, end: float) -> bool:
         """Whether there is growth between two times; at one time, whether there is right after."""
@@ -117,22 +117,22 @@ class WeightField:
         self._places = [_held(S, cells, weight.parts) for weight in self._zones]
         self._dofs = [dofs[held] for held in self._places]
         self._S = S
-        moving = [w for w in self._zones if w.bump and isinstance(w.bump.centre, str)]
+        moving = [w for w in self._zones if w.gaussian and isinstance(w.gaussian.centre, str)]
         self._arc_length = ArcLength(mesh, degree, stretch) if moving else None
         self._grows: Sequence[bool] = ()
-        self.during(0.0, 0.0)
+        self.set_interval(0.0, 0.0)
 
-    def during(self, start: float, end: float) -> None:
+    def set_interval(self, start: float, end: float) -> None:
         """Let growth be as between two times in min; at one time, as right after it."""
         grows = [weight.grows(start, end) for weight in self._zones]
         if grows == self._grows:
             return
         self._grows = grows
         for weight, on, held, dofs in self._each():
-            if weight.bump is None or not on:
+            if weight.gaussian is None or not on:
                 self._values[dofs] = float(on)
-            elif not isinstance(weight.bump.centre, str):
-                self._values[dofs] = weight.bump.at(self._S[held] - weight.bump.centre)
+            elif not isinstance(weight.gaussian.centre, str):
+                self._values[dofs] = weight.gaussian.at(self._S[held] - weight.gaussian.centre)
 
     def update(self) -> None:
         """Bring the weights up to the trial state."""
@@ -140,9 +140,9 @@ class WeightField:
             return
         s, whole = self._arc_length.at_points()
         for weight, on, held, dofs in self._each():
-            if on and weight.bump is not None and isinstance(weight.bump.centre, str):
-                distance = s[held] if weight.bump.centre == "bottom" else whole - s[held]
-                self._values[dofs] = weight.bump.at(distance)
+            if on and weight.gaussian is not None and isinstance(weight.gaussian.centre, str):
+                distance = s[held] if weight.gaussian.centre == "bottom" else whole - s[held]
+                self._values[dofs] = weight.gaussian.at(distance)
 
     def _each(self) -> Any:
         return zip(self._zones, self._grows, self._places, self._dofs, strict=True)

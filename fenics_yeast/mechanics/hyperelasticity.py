@@ -36,7 +36,7 @@ def ogden(eps_e: Any, mu: Any, alpha: Any) -> Any:
     return 2 * mu / alpha**2 * (lambda_1 + lambda_2 + lambda_3 - 3)
 
 
-def ogden_terms(eps_e: Any, **terms: Any) -> Any:
+def ogden_sum(eps_e: Any, **terms: Any) -> Any:
     """Sum of one-term Ogden energies, of moduli `mu_0, mu_1, ...` and exponents `alpha_0, ...`."""
     pairs = [(terms[f"mu_{i}"], terms[f"alpha_{i}"]) for i in range(len(terms) // 2)]
     return sum(ogden(eps_e, mu, alpha) for mu, alpha in pairs)
@@ -56,7 +56,7 @@ def linear(eps_e: Any, young: Any, poisson: Any) -> Any:
     return young / (2 * (1 - poisson**2)) * (E1**2 + E2**2 + 2 * poisson * E1 * E2)
 
 
-def stiffened(psi: StrainEnergy, factor: Any) -> StrainEnergy:
+def scaled(psi: StrainEnergy, factor: Any) -> StrainEnergy:
     """Strain energy of a wall whose moduli are multiplied by a factor."""
     return lambda eps_e: factor * psi(eps_e)
 
@@ -66,7 +66,7 @@ def incompressible_thinning(eps_e: Any) -> Any:
     return -(eps_e[0] + eps_e[1])
 
 
-def linear_thinning(eps_e: Any, poisson: Any) -> Any:
+def saint_venant_kirchhoff_thinning(eps_e: Any, poisson: Any) -> Any:
     """Logarithmic strain `ε3^e` through a wall of St Venant and Kirchhoff in plane stress."""
     E3 = -poisson / (1 - poisson) * (_green(eps_e[0]) + _green(eps_e[1]))
     return kinematics.logarithmic(E3)

@@ -27,7 +27,7 @@ PointValues = Annotated[Array, _POINTS]
 """Values of the local growing cells, in the layout of `GrowthState.get`; ordered: of all ranks."""
 
 
-class Layout:
+class Ordering:
     """The order of the unknowns and growing points of a shell; its methods are collective."""
 
     def __init__(self, shell: Shell) -> None:
@@ -36,7 +36,7 @@ class Layout:
         span = 2 * shell.discretisation.curve.length
         dofmap = shell.space.dofmap
         owned = dofmap.index_map.size_local * dofmap.index_map_bs
-        cells = shell.growing_cells
+        cells = shell.growing_elements
         points = shell.quadrature_S[cells]
         mine = cells < shell.mesh.topology.index_map(1).size_local
         self._shape = points.shape

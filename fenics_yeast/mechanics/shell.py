@@ -41,7 +41,7 @@ _NO_VOLUME = 1e-9
 
 
 @dataclass(frozen=True)
-class Snapshot:
+class ShellState:
     """Copy of the state of a shell.
 
     Attributes
@@ -133,8 +133,8 @@ class Shell:
         shear_modulus: float,
         shear_penalty: float,
         energy: Law,
-        thicker: Parameter = 1.0,
-        stiffer: Parameter = 1.0,
+        thickness_ratio: Parameter = 1.0,
+        modulus_ratio: Parameter = 1.0,
         growth_law: Law | None = None,
         per_grown: bool = False,
         thinning: Law | None = None,
@@ -156,13 +156,13 @@ class Shell:
         penalty = min(shear_penalty, _LARGEST_PENALTY)
         self._compliance = self._constant(1 / (penalty * shear_modulus * thickness))
         psi = energy.on(self._coefficient)
-        if thicker != 1:
-            thickened = self._coefficient(thicker)
+        if thickness_ratio != 1:
+            thickened = self._coefficient(thickness_ratio)
             self._h, self._compliance = self._h * thickened, self._compliance / thickened
-        if stiffer != 1:
-            stiffened = self._coefficient(stiffer)
-            psi = wall.stiffened(psi, stiffened)
-            self._compliance = self._compliance / stiffened
+        if modulus_ratio != 1:
+            scaled = self._coefficient(modulus_ratio)
+            psi = wall.scaled(psi, scaled)
+            self._compliance = self._compliance / scaled
         self._constrain_ends()
         through = None if thinning is None else thinning.on(self._coefficient)
         self.material = wall.Material(psi, per_grown, through)
@@ -174,7 +174,7 @@ class Shell:
             rate = growth_law.on(self._coefficient)
             self.growth = GrowthState(
                 mesh,
-                self.growing_cells,
+                self.growing_elements,
                 self.degree,
                 self.eps,
                 self.material,
@@ -195,7 +195,7 @@ class Shell:
     def _coefficient(self, value: Parameter) -> Any:
         """A parameter of a law as a constant, or as a function given at the quadrature points."""
         if isinstance(value, Weights):
-            place = (self.mesh, self.growing_cells, self.degree, self.quadrature_S)
+            place = (self.mesh, self.growing_elements, self.degree, self.quadrature_S)
             field = WeightField(*place, kinematics.stretch(self._strain[0]), value)
             self._growth_weights.append(field)
             return field.function
@@ -209,7 +209,7 @@ class Shell:
     def _place_points(self) -> None:
         """Reference meridian at the quadrature points; which cells grow."""
         places = dx.quadrature_points(self.degree).ravel()
-        vertices = self.mesh.geometry.x[dx.cell_vertices(self.mesh), 0]
+        vertices = self.mesh.geometry.x[dx.element_vertices(self.mesh), 0]
         S = vertices[:, :1] + (vertices[:, 1:] - vertices[:, :1]) * places
         space = dx.quadrature_space(self.mesh, 3, self.degree)
         curve = self.discretisation.curve
@@ -220,8 +220,8 @@ class Shell:
         grows = np.zeros(len(S), dtype=bool)
         for part in self.discretisation.growing:
             grows |= part.holds(S.mean(axis=1))
-        self.growing_cells = np.flatnonzero(grows).astype(np.int32)
-        tags = dx.cell_tags(self.mesh, np.where(grows, _GROWING, _ELASTIC).astype(np.int32))
+        self.growing_elements = np.flatnonzero(grows).astype(np.int32)
+        tags = dx.element_tags(self.mesh, np.where(grows, _GROWING, _ELASTIC).astype(np.int32))
         metadata = {"quadrature_degree": self.degree, "quadrature_rule": "default"}
         self._dS = ufl.Measure("dx", domain=self.mesh, subdomain_data=tags, metadata=metadata)
         self.quadrature_S = S
@@ -361,7 +361,7 @@ class Shell:
         changes = list(zip(by_growth, state.by_strain, self.eps, strict=True))
         D = reduce(add, [N_g * g_eps * ufl.diff(eps, self._E) for N_g, g_eps, eps in changes])
         d = reduce(add, [N_g * g_a for N_g, g_a in zip(by_growth, state.by_stage, strict=True)])
-        place = (self.mesh, self.growing_cells, self.degree)
+        place = (self.mesh, self.growing_elements, self.degree)
         n = len(self._strain)
         self._followed = PointField(*place, [D[i, j] for i in range(n) for j in range(n)])
         self._lengthened = PointField(*place, [d[i] for i in range(n)])
@@ -388,12 +388,12 @@ class Shell:
 
     # --- state and functionals ------------------------------------------------------------
 
-    def snapshot(self) -> Snapshot:
+    def state(self) -> ShellState:
         """Copy of the trial state."""
         eps_g = None if self.growth is None else self.growth.get()
-        return Snapshot(self.w.x.array.copy(), eps_g)
+        return ShellState(self.w.x.array.copy(), eps_g)
 
-    def restore(self, state: Snapshot) -> None:
+    def restore(self, state: ShellState) -> None:
         """Make a copy the trial state again."""
         self.w.x.array[:] = state.w
         if self.growth is not None and state.eps_g is not None:

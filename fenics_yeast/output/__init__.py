@@ -9,13 +9,13 @@ from .folder import MERIDIAN, SERIES, SHAPES, SURFACES, VOLUME, OutputError, rep
 from .interrupts import SIGNALS, interrupt
 from .job import DolfinxMissing, Job, RunLost, Screen, run_into
 from .reading import (
-    load_ending,
-    load_error_bars,
-    load_history,
-    load_profiles,
-    load_result,
-    load_scene,
-    load_status,
+    read_ending,
+    read_error_bars,
+    read_history,
+    read_profiles,
+    read_result,
+    read_scene,
+    read_status,
 )
 
 __all__ = [
@@ -31,13 +31,13 @@ __all__ = [
     "RunLost",
     "Screen",
     "interrupt",
-    "load_ending",
-    "load_error_bars",
-    "load_history",
-    "load_profiles",
-    "load_result",
-    "load_scene",
-    "load_status",
+    "read_ending",
+    "read_error_bars",
+    "read_history",
+    "read_profiles",
+    "read_result",
+    "read_scene",
+    "read_status",
     "replace_file",
     "run_into",
     "writing",

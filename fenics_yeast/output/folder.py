@@ -38,7 +38,7 @@ class OutputError(Exception):
     """An output folder that cannot be written or read; the message is one line."""
 
 
-class Unwritable(OutputError):
+class OutputWriteError(OutputError):
     """A folder that cannot be written: `problem` is the message without what to do about it."""
 
     def __init__(self, problem: str, advice: str) -> None:
@@ -48,7 +48,7 @@ class Unwritable(OutputError):
 
 @contextmanager
 def writing(directory: Path) -> Iterator[None]:
-    """Turn what goes wrong in writing to an output folder into an `Unwritable`."""
+    """Turn what goes wrong in writing to an output folder into an `OutputWriteError`."""
     advice = "choose another output folder"
     try:
         yield
@@ -60,7 +60,7 @@ def writing(directory: Path) -> Iterator[None]:
             advice = f"make room there, or {advice}"
     else:
         return
-    raise Unwritable(f"{directory}: {problem}", advice)
+    raise OutputWriteError(f"{directory}: {problem}", advice)
 
 
 def replace_file(path: Path, content: bytes) -> None:

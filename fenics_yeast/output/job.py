@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 
 from ..scene import Scene
 from ..simulation import History, Observer, Profiles, Result, Row, Status, Timings
-from .folder import OutputError, OutputFolder, Unwritable, writing
+from .folder import OutputError, OutputFolder, OutputWriteError, writing
 from .interrupts import Interrupts
 
 if TYPE_CHECKING:
     from ..simulation import Checkpoint, Start
-    from .restart import Past
+    from .restart import EarlierRun
 
 
 class DolfinxMissing(Exception):
@@ -31,7 +31,7 @@ class Screen(Observer, Protocol):
 
     def __exit__(self, *_: object) -> None: ...
 
-    def taken_up(self, row: Row, rows: int) -> None:
+    def resumed(self, row: Row, rows: int) -> None:
         """Take note of the row from which an earlier run goes on, the last of so many."""
 
     def note(self, line: str) -> None:
@@ -133,8 +133,8 @@ class Job:
             self._import_s = perf_counter() - importing
             self._began = importing if self._began is None else self._began
             if self._resume:
-                past = self._look_back()
-                self._start, self.ended = past.start, past.ended
+                earlier = self._look_back()
+                self._start, self.ended = earlier.start, earlier.ended
             self.interrupts = Interrupts(self.comm)
             self._stack = stack.pop_all()
         return self
@@ -149,7 +149,7 @@ class Job:
             if isinstance(error, CheckpointError):
                 problem = f"{self.path}: its checkpoint {error}; run the scene anew"
                 raise OutputError(problem) from None
-            if isinstance(error, Unwritable):
+            if isinstance(error, OutputWriteError):
                 advice = self._lose(error)
                 raise RunLost(error.problem, advice, everywhere=not self._simulated) from None
             if isinstance(error, ObserverError):  # on other ranks than 0
@@ -242,17 +242,17 @@ class Job:
 
     # --- the folder, on rank 0 ------------------------------------------------------------
 
-    def _look_back(self) -> Past:
+    def _look_back(self) -> EarlierRun:
         """What the folder holds of an earlier run, read on rank 0; profiles are there alone."""
-        from .restart import Past, look_back
+        from .restart import EarlierRun, find_earlier_run
 
-        past = self._on_root(lambda: look_back(self.path, self.scene))
+        earlier = self._on_root(lambda: find_earlier_run(self.path, self.scene))
         others = None
-        if past is not None:
-            start = past.start and replace(past.start, profiles=())
-            others = Past(start, past.ended)
+        if earlier is not None:
+            start = earlier.start and replace(earlier.start, profiles=())
+            others = EarlierRun(start, earlier.ended)
         others = self.comm.bcast(others)
-        return others if past is None else past
+        return others if earlier is None else earlier
 
     def _open(self) -> OutputFolder | None:
         return self._on_root(lambda: OutputFolder(self.path, self.scene, self._start))
@@ -275,7 +275,7 @@ class Job:
         if self._screen is None or not self._resume:
             return
         if self._start is not None:
-            self._screen.taken_up(self._start.rows[-1], len(self._start.rows))
+            self._screen.resumed(self._start.rows[-1], len(self._start.rows))
         elif self.scene.path is not None:
             self._screen.note("a path is not taken up half-way: it starts from the beginning")
         else:
@@ -315,12 +315,12 @@ class Job:
             end_time=rows[-1].time_min if rows else 0.0,
             dofs=0,
             steps=max(0, len(rows) - 1),
-            rejected_steps=0 if before is None else before.tally.rejected,
-            newton_iterations=0 if before is None else before.tally.iterations,
+            rejected_steps=0 if before is None else before.recorder.rejected,
+            newton_iterations=0 if before is None else before.recorder.iterations,
             timings=Timings() if before is None else before.timings,
         )
 
-    def _lose(self, error: Unwritable) -> str:
+    def _lose(self, error: OutputWriteError) -> str:
         """What to do about a folder that takes in no more; its summary tells, if there is room."""
         then = "run the scene again"
         if self._folder is not None and self._folder.complete:

@@ -24,7 +24,7 @@ from ..simulation import (
 from .folder import HISTORY, PROFILES, RUN, SCENE, OutputError, column_type
 
 
-def load_scene(directory: Path) -> Scene:
+def read_scene(directory: Path) -> Scene:
     """Scene of a run.
 
     Raises
@@ -39,7 +39,7 @@ def load_scene(directory: Path) -> Scene:
     return Scene.load(directory / SCENE)
 
 
-def load_history(directory: Path) -> History:
+def read_history(directory: Path) -> History:
     """History of a run, finished or still going; a line cut at the end is left out.
 
     Raises
@@ -68,7 +68,7 @@ def load_history(directory: Path) -> History:
     return History(rows)
 
 
-def load_profiles(directory: Path) -> Profiles:
+def read_profiles(directory: Path) -> Profiles:
     """Profiles of a run; none where nothing has been saved yet.
 
     Raises
@@ -104,7 +104,7 @@ class Ending(NamedTuple):
     total_s: float
 
 
-def load_status(directory: Path) -> Status | None:
+def read_status(directory: Path) -> Status | None:
     """How a run ended, in a word; None while it is going.
 
     Raises
@@ -112,11 +112,11 @@ def load_status(directory: Path) -> Status | None:
     OutputError
         If that cannot be read.
     """
-    ending = load_ending(directory)
+    ending = read_ending(directory)
     return None if ending is None else ending.status
 
 
-def load_ending(directory: Path) -> Ending | None:
+def read_ending(directory: Path) -> Ending | None:
     """How a run ended; None while it is going.
 
     Raises
@@ -135,7 +135,7 @@ def load_ending(directory: Path) -> Ending | None:
         raise OutputError(f"{path}: is damaged; run the scene again") from None
 
 
-def load_result(directory: Path) -> Result:
+def read_result(directory: Path) -> Result:
     """Result of a run that has ended.
 
     Raises
@@ -147,8 +147,8 @@ def load_result(directory: Path) -> Result:
     try:
         summary = json.loads(path.read_bytes())
         return Result(
-            history=load_history(directory),
-            profiles=load_profiles(directory),
+            history=read_history(directory),
+            profiles=read_profiles(directory),
             status=summary["status"],
             message=summary["message"],
             end_time=summary["end_time_min"],
@@ -157,7 +157,7 @@ def load_result(directory: Path) -> Result:
             rejected_steps=summary["rejected_steps"],
             newton_iterations=summary["newton_iterations"],
             timings=Timings(**summary["timings"]),
-            error_bars=load_error_bars(directory),
+            error_bars=read_error_bars(directory),
         )
     except FileNotFoundError:
         raise OutputError(f"{directory}: holds no {RUN}; the run has not ended") from None
@@ -165,7 +165,7 @@ def load_result(directory: Path) -> Result:
         raise OutputError(f"{path}: is damaged; run the scene again") from None
 
 
-def load_error_bars(directory: Path) -> ErrorBars | None:
+def read_error_bars(directory: Path) -> ErrorBars | None:
     """Error bars of a run; None where it has none.
 
     Raises

@@ -11,13 +11,13 @@ from ..scene import Run, Scene, SceneError
 from ..simulation import Checkpoint, CheckpointError, Result, Start
 from ..solve import same_time
 from .folder import CHECKPOINT, OutputError
-from .reading import load_history, load_profiles, load_result, load_scene, load_status
+from .reading import read_history, read_profiles, read_result, read_scene, read_status
 
 _ANEW = "leave out --resume to run the scene anew"
 
 
 @dataclass(frozen=True)
-class Past:
+class EarlierRun:
     """What an earlier run has left.
 
     Attributes
@@ -32,7 +32,7 @@ class Past:
     ended: Result | None = None
 
 
-def look_back(directory: Path, scene: Scene) -> Past:
+def find_earlier_run(directory: Path, scene: Scene) -> EarlierRun:
     """Find out how a scene goes on that was run into a folder before.
 
     The scene must be the earlier one, but for its title and its `run`: a run goes on to another
@@ -48,9 +48,9 @@ def look_back(directory: Path, scene: Scene) -> Past:
         if checkpoint is not None:
             earlier = Scene.from_toml(checkpoint.scene)
         elif any(directory.glob("*")):
-            earlier = load_scene(directory)
+            earlier = read_scene(directory)
         else:
-            return Past()
+            return EarlierRun()
     except SceneError:
         problem = f"{directory}: holds a scene that this version cannot read; {_ANEW}"
         raise OutputError(problem) from None
@@ -59,21 +59,21 @@ def look_back(directory: Path, scene: Scene) -> Past:
             f"{directory}: holds a run of another scene, with {difference}; choose another folder"
         )
     ended = None
-    if load_status(directory) in ("finished", "no-equilibrium"):
-        ended = load_result(directory)
+    if read_status(directory) in ("finished", "no-equilibrium"):
+        ended = read_result(directory)
     if checkpoint is None:
-        return Past(ended=ended if ended is not None and earlier.run == scene.run else None)
+        return EarlierRun(ended=ended if ended is not None and earlier.run == scene.run else None)
     start = _start(directory, checkpoint)
-    run, time = scene.run, checkpoint.evolution.time
+    run, time = scene.run, checkpoint.stepper.time
     if run is None:
-        return Past(start, ended)
+        return EarlierRun(start, ended)
     _agree(directory, start, run)
     if ended is not None:
         reached = time if ended.status == "finished" else ended.end_time
         beyond = run.end > reached and not same_time(run.end, reached)
         if beyond == (ended.status == "finished"):
             ended = None
-    return Past(start, ended)
+    return EarlierRun(start, ended)
 
 
 def _load(path: Path) -> Checkpoint | None:
@@ -89,24 +89,24 @@ def _load(path: Path) -> Checkpoint | None:
 
 def _start(directory: Path, checkpoint: Checkpoint) -> Start:
     """Complete a checkpoint by the rows and profiles that it counts."""
-    tally = checkpoint.tally
-    rows = load_history(directory).rows[: tally.rows]
-    profiles = load_profiles(directory).all[: tally.profiles]
+    recorder = checkpoint.recorder
+    rows = read_history(directory).rows[: recorder.rows]
+    profiles = read_profiles(directory).all[: recorder.profiles]
     lacking = None
-    if len(rows) < tally.rows or rows[-1].time_min != checkpoint.evolution.time:
-        lacking = f"row {tally.rows} of the history"
-    elif len(profiles) < tally.profiles:
-        lacking = f"profile {tally.profiles}"
+    if len(rows) < recorder.rows or rows[-1].time_min != checkpoint.stepper.time:
+        lacking = f"row {recorder.rows} of the history"
+    elif len(profiles) < recorder.profiles:
+        lacking = f"profile {recorder.profiles}"
     if lacking is not None:
         raise OutputError(f"{directory}: has lost {lacking}, which its checkpoint needs; {_ANEW}")
-    if load_status(directory) is not None:  # what came after the checkpoint took its time too
-        checkpoint = replace(checkpoint, timings=load_result(directory).timings)
+    if read_status(directory) is not None:  # what came after the checkpoint took its time too
+        checkpoint = replace(checkpoint, timings=read_result(directory).timings)
     return Start(checkpoint, tuple(rows), tuple(profiles))
 
 
 def _agree(directory: Path, start: Start, run: Run) -> None:
     """Refuse a span of time that is behind the run, or should have been saved."""
-    time = start.checkpoint.evolution.time
+    time = start.checkpoint.stepper.time
     if run.end < time and not same_time(run.end, time):
         problem = f"has come to {time:g} min already, beyond run.end ({run.end:g} min)"
         raise OutputError(f"{directory}: {problem}; {_ANEW}")

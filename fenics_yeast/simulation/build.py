@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Discretisation, Intervals, Pole
-from ..mechanics import Bump, Law, Parameter, Weight, Weights
+from ..mechanics import Gaussian, Law, Parameter, Weight, Weights
 from ..mechanics import growth_laws as growth
 from ..mechanics import hyperelasticity as wall
 from ..scene import AnyWall, Growth, LinearWall, OgdenWall, Scene, Wall
@@ -24,7 +24,7 @@ def strain_energy(material: AnyWall) -> Law:
         case OgdenWall(shear_moduli=moduli, ogden_exponents=exponents):
             terms = {f"mu_{i}": mu for i, mu in enumerate(moduli)}
             terms |= {f"alpha_{i}": alpha for i, alpha in enumerate(exponents)}
-            return Law(wall.ogden_terms, terms)
+            return Law(wall.ogden_sum, terms)
         case LinearWall(young_modulus=young, poisson_ratio=poisson):
             return Law(wall.linear, {"young": young, "poisson": poisson})
 
@@ -34,11 +34,11 @@ def thinning(material: AnyWall) -> Law | None:
     if material.thickness_change == "none":
         return None
     if isinstance(material, LinearWall):
-        return Law(wall.linear_thinning, {"poisson": material.poisson_ratio})
+        return Law(wall.saint_venant_kirchhoff_thinning, {"poisson": material.poisson_ratio})
     return Law(wall.incompressible_thinning)
 
 
-def growth_law(scene: Scene, cut: Discretisation, own: Law | None = None) -> Law | None:
+def growth_law(scene: Scene, mesh: Discretisation, own: Law | None = None) -> Law | None:
     """Growth rate of a scene's zones; None where nothing grows.
 
     Parameters
@@ -54,19 +54,19 @@ def growth_law(scene: Scene, cut: Discretisation, own: Law | None = None) -> Law
     ValueError
         If the scene weights a threshold, which a rate of one's own does not have.
     """
-    if not cut.growing:
+    if not mesh.growing:
         return None
     parameters: dict[str, Parameter] = {
-        "sigma_trs": by_zone(cut.zones, [zone.threshold for zone in scene.growing]),
-        "t_grw": by_zone(cut.zones, [zone.time for zone in scene.growing]),
+        "sigma_trs": by_zone(mesh.zones, [zone.threshold for zone in scene.growing]),
+        "t_grw": by_zone(mesh.zones, [zone.time for zone in scene.growing]),
     }
     law = own or Law(growth.stress_driven, parameters)
     rates, stresses = [], []
-    for whole, zone in zip(cut.zones, scene.growing, strict=True):
+    for whole, zone in zip(mesh.zones, scene.growing, strict=True):
         of_rate = zone.polarity and zone.polarity.weight == "rate"
-        for parts, bump in _bumps(whole, zone, scene, cut):
-            rates.append(Weight(parts, zone.span, bump if of_rate else None))
-            stresses.append(Weight(parts, bump=None if of_rate else bump))
+        for parts, gaussian in _gaussians(whole, zone, scene, mesh):
+            rates.append(Weight(parts, zone.span, gaussian if of_rate else None))
+            stresses.append(Weight(parts, gaussian=None if of_rate else gaussian))
     if any(weight != Weight(weight.parts) for weight in stresses):
         if own is not None:
             raise ValueError('a growth law of your own has no threshold: weight = "rate" is wanted')
@@ -77,39 +77,39 @@ def growth_law(scene: Scene, cut: Discretisation, own: Law | None = None) -> Law
     return law
 
 
-def _bumps(
-    parts: Intervals, zone: Growth, scene: Scene, cut: Discretisation
-) -> list[tuple[Intervals, Bump | None]]:
+def _gaussians(
+    parts: Intervals, zone: Growth, scene: Scene, mesh: Discretisation
+) -> list[tuple[Intervals, Gaussian | None]]:
     """How growth of a zone falls off around a point: its parts, each with its own point."""
     polarity = zone.polarity
     if polarity is None:
         return [(parts, None)]
     if polarity.centre is not None:
         # Straight elements are a little shorter than the curve whose arc length was given.
-        scale = cut.curve.length / scene.cell.curve.length
-        return [(parts, Bump(polarity.centre * scale, polarity.width))]
+        scale = mesh.curve.length / scene.cell.curve.length
+        return [(parts, Gaussian(polarity.centre * scale, polarity.width))]
     if polarity.pole == "both":  # caps that may meet at their edges
-        lower = tuple(part for part in parts if part.start + part.end < cut.curve.length)
+        lower = tuple(part for part in parts if part.start + part.end < mesh.curve.length)
         upper = tuple(part for part in parts if part not in lower)
         halves: list[tuple[Intervals, Pole]] = [(lower, "bottom"), (upper, "top")]
     else:
         halves = [(parts, polarity.pole or "top")]
-    ends = {"bottom": 0.0, "top": cut.curve.length}
+    ends = {"bottom": 0.0, "top": mesh.curve.length}
     tip = polarity.follow == "tip"
-    return [(half, Bump(pole if tip else ends[pole], polarity.width)) for half, pole in halves]
+    return [(half, Gaussian(pole if tip else ends[pole], polarity.width)) for half, pole in halves]
 
 
-def thicker(material: AnyWall, cut: Discretisation) -> Parameter:
+def thickness_ratio(material: AnyWall, mesh: Discretisation) -> Parameter:
     """Thickness of a wall over that outside of its zones."""
     values = [(zone.thickness or material.thickness) / material.thickness for zone in material.zone]
-    return by_zone(cut.wall_zones, values, 1.0)
+    return by_zone(mesh.wall_zones, values, 1.0)
 
 
-def stiffer(material: AnyWall, cut: Discretisation) -> Parameter:
+def modulus_ratio(material: AnyWall, mesh: Discretisation) -> Parameter:
     """Moduli of a wall over those outside of its zones."""
     mu = material.shear_modulus
     values = [zone.modulus_factor or (zone.shear_modulus or mu) / mu for zone in material.zone]
-    return by_zone(cut.wall_zones, values, 1.0)
+    return by_zone(mesh.wall_zones, values, 1.0)
 
 
 def by_zone(

@@ -11,13 +11,13 @@ from typing import Any, Self, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solve import Controller, Count, Memory, Tangent
-from .recorder import Tally
+from ..solve import ChordState, ControllerState, StabilityState, StepperState
+from .recorder import RecorderState
 from .result import Profile, Row, Timings
 
 Values = NDArray[Any]
 
-FORMAT = 1
+FORMAT = 2
 _FORMAT, _DIGEST = "format", "sha256"
 
 
@@ -38,7 +38,7 @@ class CheckpointError(Exception):
 class Checkpoint:
     """All that determines how a run goes on from an accepted state.
 
-    The arrays are in the order of `Layout`, the same on any number of ranks.
+    The arrays are in the order of `Ordering`, the same on any number of ranks.
 
     Attributes
     ----------
@@ -56,12 +56,12 @@ class Checkpoint:
     """
 
     scene: str
-    evolution: Memory
-    tangent: Tangent | None
-    steps: Controller
-    stability: Count
-    cut: bool
-    tally: Tally
+    stepper: StepperState
+    chord: ChordState | None
+    controller: ControllerState
+    stability: StabilityState
+    step_reduced: bool
+    recorder: RecorderState
     timings: Timings
 
     def to_bytes(self) -> bytes:

@@ -6,17 +6,17 @@ from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
-from ..mechanics import Layout, Shell
+from ..mechanics import Ordering, Shell
 from ..scene import Scene
 from .checkpoint import Checkpoint, CheckpointError
-from .recorder import Journal
+from .recorder import Recorder
 from .result import Timings
 
 _EVERY = 2.0  # seconds between checkpoints
 _SHARE = 0.02  # most of the time that they may take
 
 
-class Keeper:
+class Checkpointer:
     """Hands on checkpoints, often enough to lose little; its methods are collective.
 
     Parameters
@@ -28,10 +28,10 @@ class Keeper:
     """
 
     def __init__(
-        self, shell: Shell, scene: Scene, journal: Journal, keep: Callable[[Checkpoint], None]
+        self, shell: Shell, scene: Scene, recorder: Recorder, keep: Callable[[Checkpoint], None]
     ) -> None:
-        self._comm, self._layout = shell.comm, Layout(shell)
-        self._scene, self._journal, self._keep = scene.to_toml(), journal, keep
+        self._comm, self._layout = shell.comm, Ordering(shell)
+        self._scene, self._recorder, self._keep = scene.to_toml(), recorder, keep
         self._kept: Checkpoint | None = None
         self._next = perf_counter() + _EVERY
 
@@ -54,7 +54,7 @@ class Keeper:
             if ordered is not None:
                 self._keep(ordered)
 
-        self._journal.on_root(keep)
+        self._recorder.on_root(keep)
         self._kept, now = checkpoint, perf_counter()
         self._next = now + max(_EVERY, (now - began) / _SHARE)
 
@@ -68,6 +68,6 @@ def local(checkpoint: Checkpoint, shell: Shell) -> Checkpoint:
         If it is that of another wall.
     """
     try:
-        return Layout(shell).local(checkpoint)
+        return Ordering(shell).local(checkpoint)
     except ValueError:
         raise CheckpointError("is that of another mesh, as another version made it") from None

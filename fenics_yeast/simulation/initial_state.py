@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 _NEAR = 1e-9  # of the meridian's length: places that differ by less are the same
 
 
-def take_over(shell: Shell, profile: Profile | None) -> None:
+def set_initial_state(shell: Shell, profile: Profile | None) -> None:
     """Bring a shell to the state of a profile: positions, director angles and growth strains.
 
     The shear force is found by the next equilibrium. Collective; rank 0 has the profile.
@@ -50,8 +50,8 @@ def take_over(shell: Shell, profile: Profile | None) -> None:
         raise ValueError(f"a wall of {len(profile.xi)} thickness points is wanted")
     rest = np.ones(len(points), dtype=bool)
     if shell.growth is not None:
-        rest[shell.growing_cells] = False
-        shell.growth.set(grown[shell.growing_cells].reshape(shell.growth.get().shape))
+        rest[shell.growing_elements] = False
+        shell.growth.set(grown[shell.growing_elements].reshape(shell.growth.get().shape))
     if grown[rest].any():
         raise ValueError("the wall has grown outside of the scene's growing zones")
 

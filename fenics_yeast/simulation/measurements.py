@@ -27,7 +27,7 @@ class Sizes(NamedTuple):
     max_growth_strain: float
 
 
-class Probe:
+class Measurements:
     """Reads the trial state of a shell; every method is collective over its communicator."""
 
     def __init__(self, shell: Shell) -> None:

@@ -15,7 +15,7 @@ class Outcome(NamedTuple):
     message: str
 
 
-def overloaded(limit: float, time: float | None = None) -> Outcome:
+def limit_pressure_reached(limit: float, time: float | None = None) -> Outcome:
     """The wall finds no equilibrium beyond a limit pressure in MPa, at a time in min."""
     when = "" if time is None else f" from {time:g} min on"
     side = "inside" if limit > 0 else "outside"
@@ -26,7 +26,7 @@ def overloaded(limit: float, time: float | None = None) -> Outcome:
     )
 
 
-def overloaded_by_force(limit: float) -> Outcome:
+def limit_force_reached(limit: float) -> Outcome:
     """The wall finds no equilibrium beyond a limit force in µN."""
     return Outcome(
         "no-equilibrium",
@@ -34,7 +34,7 @@ def overloaded_by_force(limit: float) -> Outcome:
     )
 
 
-def worn_out(row: Row, softens: bool = True) -> Outcome:
+def softened(row: Row, softens: bool = True) -> Outcome:
     """The wall has grown to a limit point; `row` is the last state before.
 
     A wall whose energy is per grown volume never softens.
@@ -48,7 +48,7 @@ def worn_out(row: Row, softens: bool = True) -> Outcome:
     return Outcome("no-equilibrium", f"{where}, there is no equilibrium: {why}")
 
 
-def remarks(rows: Sequence[Row]) -> str:
+def stability_note(rows: Sequence[Row]) -> str:
     """What must be known of the accepted states: that and where they are unstable."""
     first = next((i for i, row in enumerate(rows) if not row.stable), None)
     if first is None:

@@ -10,7 +10,7 @@ _PATIENCE = 10.0  # seconds; ranks that meet an error meet it at the same step
 _GAVE_UP, _INTERRUPTED = 4, 130
 
 
-class Others:
+class OtherRanks:
     """The other ranks that share a wall; a context manager.
 
     An error on one rank alone would leave the others waiting for it in their next collective

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from time import perf_counter
 
-from ..mechanics import Shell, Snapshot
-from .measurements import Probe
+from ..mechanics import Shell, ShellState
+from .measurements import Measurements
 from .result import Observer, Profile, Row
 
 
@@ -19,7 +19,7 @@ class ObserverError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Tally:
+class RecorderState:
     """How much has been noted.
 
     Attributes
@@ -39,7 +39,7 @@ class Tally:
     iterations: int
 
 
-class Journal:
+class Recorder:
     """Accepted states and saved profiles of a run, and what they took.
 
     Parameters
@@ -60,10 +60,10 @@ class Journal:
     """
 
     def __init__(self, shell: Shell, observers: Iterable[Observer] = ()) -> None:
-        self._shell, self._probe = shell, Probe(shell)
+        self._shell, self._measurements = shell, Measurements(shell)
         self._observers = tuple(observers) if shell.comm.rank == 0 else ()
         self._volume_0 = shell.reference_volume
-        self._accepted: tuple[Snapshot, float] | None = None
+        self._accepted: tuple[ShellState, float] | None = None
         self._saved = True
         self.rows: list[Row] = []
         self.profiles: list[Profile] = []
@@ -75,21 +75,23 @@ class Journal:
         """Volume in µm³ that ratios refer to, that of the unloaded cell."""
         return self._volume_0
 
-    def tally(self) -> Tally:
+    def state(self) -> RecorderState:
         """How much has been noted."""
         counts = len(self.rows), len(self.profiles), self._saved
-        return Tally(*counts, self.rejected, self.iterations)
+        return RecorderState(*counts, self.rejected, self.iterations)
 
-    def restore(self, tally: Tally, rows: Iterable[Row], profiles: Iterable[Profile]) -> None:
+    def restore(
+        self, state: RecorderState, rows: Iterable[Row], profiles: Iterable[Profile]
+    ) -> None:
         """Go on with the notes of an earlier run, the shell being in its last accepted state."""
         self.rows, self.profiles = list(rows), list(profiles)
-        self.rejected, self.iterations = tally.rejected, tally.iterations
-        self._accepted = (self._shell.snapshot(), float(self._shell.pressure.value))
-        self._saved = tally.saved
+        self.rejected, self.iterations = state.rejected, state.iterations
+        self._accepted = (self._shell.state(), float(self._shell.pressure.value))
+        self._saved = state.saved
 
     def accept(self, time: float, step: float, iterations: int, stable: bool) -> Row:
         """Note the shell's state as accepted, at a time in min after a step of some length."""
-        shell, sizes = self._shell, self._probe.sizes()
+        shell, sizes = self._shell, self._measurements.sizes()
         self.iterations += iterations
         volume, pressure = shell.volume(), float(shell.pressure.value)
         row = Row(
@@ -108,7 +110,7 @@ class Journal:
             force_uN=0.0 if shell.force is None else shell.force.value,
             displacement_um=0.0 if shell.force is None else shell.force.displacement(),
         )
-        self._accepted, self._saved = (shell.snapshot(), pressure), False
+        self._accepted, self._saved = (shell.state(), pressure), False
         self.rows.append(row)
         self._tell(lambda observer: observer.accepted(row))
         return row
@@ -118,7 +120,7 @@ class Journal:
         self.rejected += 1
         self.iterations += iterations
 
-    def spend(self, iterations: int) -> None:
+    def count_iterations(self, iterations: int) -> None:
         """Note iterations that were neither an accepted nor a rejected step's."""
         self.iterations += iterations
 
@@ -131,7 +133,7 @@ class Journal:
         self._shell.restore(state)
         self._shell.pressure.value = pressure
         self._saved = True
-        profile = self._probe.profile(self.rows[-1].time_min)
+        profile = self._measurements.profile(self.rows[-1].time_min)
         self.output_s += perf_counter() - began
         if profile is not None:
             self.profiles.append(profile)

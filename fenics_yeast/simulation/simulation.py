@@ -13,18 +13,18 @@ import numpy as np
 from .. import _dolfinx as dx
 from ..mechanics import OwnLaw, Shell, own_laws
 from ..scene import PressureTable, Scene
-from ..solve import TABLEAUX, Equilibrium, Evolution, Stability
+from ..solve import TABLEAUX, Equilibrium, Stability, TimeStepper
 from . import build as scene_laws
 from .checkpoint import Checkpoint, Start
-from .checkpointer import Keeper, local
+from .checkpointer import Checkpointer, local
 from .discretise import discretise
-from .initial_state import take_over
-from .outcome import Outcome, remarks
-from .ranks import Others
-from .recorder import Journal, ObserverError
+from .initial_state import set_initial_state
+from .outcome import Outcome, stability_note
+from .ranks import OtherRanks
+from .recorder import ObserverError, Recorder
 from .result import History, Observer, Profile, Profiles, Result, Row, Timings
-from .static import walk
-from .transient import March
+from .static import run_path
+from .transient import Transient
 
 _ROUND_OFF = 1e-12  # of the nodal forces, for those that would double the wall's length
 _LOG = logging.getLogger(__name__)
@@ -66,8 +66,8 @@ def build_shell(
         shear_modulus=scene.wall.shear_modulus,
         shear_penalty=scene.numerics.shear_penalty,
         energy=own_laws.energy_law(energy) if energy else scene_laws.strain_energy(scene.wall),
-        thicker=scene_laws.thicker(scene.wall, cut),
-        stiffer=scene_laws.stiffer(scene.wall, cut),
+        thickness_ratio=scene_laws.thickness_ratio(scene.wall, cut),
+        modulus_ratio=scene_laws.modulus_ratio(scene.wall, cut),
         growth_law=scene_laws.growth_law(scene, cut, own),
         per_grown=scene.wall.energy_per == "grown",
         thinning=scene_laws.thinning(scene.wall),
@@ -136,31 +136,33 @@ class Simulation:
         self._began = perf_counter()
         self._shell = shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
         called = None if callback is None else _Callback(callback)
-        self._journal = Journal(shell, [each for each in (observer, called) if each is not None])
+        self._recorder = Recorder(shell, [each for each in (observer, called) if each is not None])
         if shell.comm.bcast(state is not None):
-            take_over(shell, state)
+            set_initial_state(shell, state)
         compiled = perf_counter()
         tolerance = _precision(scene) * _force(scene, len(shell.discretisation.nodes))
         self._resources = resources = ExitStack()
         equilibrium = resources.enter_context(Equilibrium(shell, tolerance))
         stability = resources.enter_context(Stability(shell))
-        self._others = resources.enter_context(Others(shell.comm))
-        self._march: March | None = None
+        self._others = resources.enter_context(OtherRanks(shell.comm))
+        self._transient: Transient | None = None
         self._steps: Generator[Row, None, Outcome]
         if scene.path is not None:
-            self._steps = walk(scene, scene.path, shell, stability, self._journal, tolerance)
+            self._steps = run_path(scene, scene.path, shell, stability, self._recorder, tolerance)
         else:
             tableau = TABLEAUX[scene.numerics.integrator]
-            evolution = Evolution(shell, equilibrium, tableau, turgor(scene))
-            solvers = (equilibrium, stability, evolution, tableau)
-            self._march = March(scene, shell, *solvers, self._journal, tolerance)
-            self._steps = self._march.go()
+            stepper = TimeStepper(shell, equilibrium, tableau, turgor(scene))
+            solvers = (equilibrium, stability, stepper, tableau)
+            self._transient = Transient(scene, shell, *solvers, self._recorder, tolerance)
+            self._steps = self._transient.run()
         self._before = Timings()
-        if start is not None and self._march is not None:
-            self._march.restore(local(start.checkpoint, shell))
-            self._journal.restore(start.checkpoint.tally, start.rows, start.profiles)
+        if start is not None and self._transient is not None:
+            self._transient.restore(local(start.checkpoint, shell))
+            self._recorder.restore(start.checkpoint.recorder, start.rows, start.profiles)
             self._before = start.checkpoint.timings
-        self._keeper = None if keep is None else Keeper(shell, scene, self._journal, keep)
+        self._checkpointer = (
+            None if keep is None else Checkpointer(shell, scene, self._recorder, keep)
+        )
         self._outcome: Outcome | None = None
         self._compile_s = compiled - self._began
         self._setup_s = perf_counter() - compiled
@@ -189,8 +191,8 @@ class Simulation:
         self._lap = perf_counter()
         try:
             row = next(self._steps)
-            if self._keeper is not None and self._march is not None:
-                self._keeper.offer(self._march.checkpoint, self._timings())
+            if self._checkpointer is not None and self._transient is not None:
+                self._checkpointer.offer(self._transient.checkpoint, self._timings())
             return row
         except StopIteration as end:
             self._end(end.value)
@@ -217,25 +219,25 @@ class Simulation:
     @property
     def result(self) -> Result:
         """What was found so far, and how the run ended; interrupted, as long as it has not."""
-        rows, journal = self._journal.rows, self._journal
+        rows, recorder = self._recorder.rows, self._recorder
         status, message = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
         return Result(
             history=History(rows),
-            profiles=Profiles(tuple(journal.profiles)),
+            profiles=Profiles(tuple(recorder.profiles)),
             status=status,
-            message=message + (remarks(rows) if status != "failed" else ""),
+            message=message + (stability_note(rows) if status != "failed" else ""),
             end_time=self._time,
             dofs=dx.size_of(self._shell.space),
             steps=max(0, len(rows) - 1),
-            rejected_steps=journal.rejected,
-            newton_iterations=journal.iterations,
+            rejected_steps=recorder.rejected,
+            newton_iterations=recorder.iterations,
             timings=self._timings(),
         )
 
     @property
     def _time(self) -> float:
         """Time of the last accepted state in min."""
-        rows = self._journal.rows
+        rows = self._recorder.rows
         return rows[-1].time_min if rows else 0.0
 
     def _interrupted(self, interrupt: KeyboardInterrupt) -> None:
@@ -250,9 +252,9 @@ class Simulation:
         self._steps.close()
         try:
             if outcome.status != "finished":
-                self._journal.save()
-            if self._keeper is not None and self._march is not None:
-                self._keeper.finish(self._march.checkpoint, self._timings())
+                self._recorder.save()
+            if self._checkpointer is not None and self._transient is not None:
+                self._checkpointer.finish(self._transient.checkpoint, self._timings())
         except ObserverError:  # it has failed before, or fails where the run is completed
             pass
         finally:
@@ -270,7 +272,7 @@ class Simulation:
 
     def _timings(self) -> Timings:
         """Where the time went so far, earlier parts of the run included."""
-        output_s = self._journal.output_s
+        output_s = self._recorder.output_s
         return self._before + Timings(
             compile_s=self._compile_s,
             setup_s=self._setup_s,

@@ -9,24 +9,24 @@ from ..scene import PressureTable, Scene, StaticPath
 from ..solve import (
     Equilibrium,
     EquilibriumError,
-    Goal,
+    PathCoordinates,
     PathError,
-    Plane,
+    PathTarget,
     Stability,
-    follow,
-    limit_point,
+    find_limit_pressure,
+    follow_path,
 )
-from .outcome import Outcome, overloaded, overloaded_by_force
-from .recorder import Journal
+from .outcome import Outcome, limit_force_reached, limit_pressure_reached
+from .recorder import Recorder
 from .result import Row
 
 
-def walk(
+def run_path(
     scene: Scene,
     path: StaticPath,
     shell: Shell,
     stability: Stability,
-    journal: Journal,
+    recorder: Recorder,
     tolerance: float,
 ) -> Generator[Row, None, Outcome]:
     """Follow the path of a scene from its unloaded wall; yields a row for each point, at time 0.
@@ -42,43 +42,47 @@ def walk(
     tolerance
         Norm of the residual in µN at which it counts as zero.
     """
-    plane, goal = _plane(scene, path, shell)
-    if (lost := _preload(shell, plane, scene, tolerance)) is not None:
+    coordinates, target = _plane(scene, path, shell)
+    if (lost := _preload(shell, coordinates, scene, tolerance)) is not None:
         return lost
-    yield journal.accept(0.0, 0.0, 0, stability.falling() == 0)
+    yield recorder.accept(0.0, 0.0, 0, stability.negative_modes() == 0)
     try:
-        for iterations in follow(shell, plane, path.control, goal, path.steps, tolerance):
-            yield journal.accept(0.0, 0.0, iterations, stability.falling() == 0)
+        for iterations in follow_path(
+            shell, coordinates, path.control, target, path.steps, tolerance
+        ):
+            yield recorder.accept(0.0, 0.0, iterations, stability.negative_modes() == 0)
     except PathError as error:
-        return _ended(path, shell, journal, tolerance, error)
-    journal.save()
-    extreme = _extreme(path, journal.rows)
+        return _ended(path, shell, recorder, tolerance, error)
+    recorder.save()
+    extreme = _extreme(path, recorder.rows)
     limit = "" if extreme is None else f", past a limit point at {_tell(path, extreme)}"
-    return Outcome("finished", f"reached {_tell(path, journal.rows[-1])}{limit}")
+    return Outcome("finished", f"reached {_tell(path, recorder.rows[-1])}{limit}")
 
 
-def _plane(scene: Scene, path: StaticPath, shell: Shell) -> tuple[Plane, Goal]:
+def _plane(scene: Scene, path: StaticPath, shell: Shell) -> tuple[PathCoordinates, PathTarget]:
     """The load of a path with the sizes of what it does, and the path's end."""
     until, h, radius = path.until, scene.wall.thickness, scene.cell.radius
     if until.of_load:
         length = (radius * h) ** 0.5
         unit = 8 * scene.wall.shear_modulus * h**2 / radius * length  # about that of a sphere
-        plane = Plane(shell.force, length, unit)
+        coordinates = PathCoordinates(shell.force, length, unit)
         given: tuple[float | None, float | None] = (until.displacement, until.force)
     else:
         unit = scene.wall.shear_modulus * h / radius
-        plane = Plane(shell.pressure, shell.reference_volume, unit)
+        coordinates = PathCoordinates(shell.pressure, shell.reference_volume, unit)
         given = (until.volume_ratio, until.pressure)
         if given[0] is not None:
-            return plane, Goal(0, given[0])
+            return coordinates, PathTarget(0, given[0])
     if given[0] is not None:
-        return plane, Goal(0, given[0] / plane.amount_unit)
-    return plane, Goal(1, (given[1] or 0.0) / plane.load_unit)
+        return coordinates, PathTarget(0, given[0] / coordinates.amount_unit)
+    return coordinates, PathTarget(1, (given[1] or 0.0) / coordinates.load_unit)
 
 
-def _preload(shell: Shell, plane: Plane, scene: Scene, tolerance: float) -> Outcome | None:
+def _preload(
+    shell: Shell, coordinates: PathCoordinates, scene: Scene, tolerance: float
+) -> Outcome | None:
     """Equilibrium under the load that is held while the other one grows from nothing."""
-    if plane.load is shell.pressure:
+    if coordinates.load is shell.pressure:
         held, size = shell.force, 0.0 if scene.axial_load is None else scene.axial_load.force
     else:
         assert shell.force is not None and not isinstance(scene.turgor.pressure, PressureTable)
@@ -98,24 +102,24 @@ def _preload(shell: Shell, plane: Plane, scene: Scene, tolerance: float) -> Outc
 
 
 def _ended(
-    path: StaticPath, shell: Shell, journal: Journal, tolerance: float, error: PathError
+    path: StaticPath, shell: Shell, recorder: Recorder, tolerance: float, error: PathError
 ) -> Outcome:
     """Tell a path that has no further point under its control from one that was lost."""
-    rows = journal.rows
+    rows = recorder.rows
     extreme = _extreme(path, rows)
     if extreme is not None and path.until.pressure is not None:
-        return overloaded(extreme.pressure_MPa)
+        return limit_pressure_reached(extreme.pressure_MPa)
     if extreme is not None and path.until.force is not None:
-        return overloaded_by_force(extreme.force_uN)
+        return limit_force_reached(extreme.force_uN)
     if path.control == "pressure":
         ahead = 2 * rows[-1].pressure_MPa - rows[max(0, len(rows) - 2)].pressure_MPa
         try:
-            limit = limit_point(shell, ahead, tolerance)
+            limit = find_limit_pressure(shell, ahead, tolerance)
         except PathError:
             limit = None
         if limit is not None:
-            journal.accept(0.0, 0.0, limit.iterations, True)
-            return overloaded(limit.pressure)
+            recorder.accept(0.0, 0.0, limit.iterations, True)
+            return limit_pressure_reached(limit.pressure)
     return Outcome("failed", f"the path was lost at {_tell(path, rows[-1])}: {error}")
 
 

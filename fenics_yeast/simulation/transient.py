@@ -8,22 +8,22 @@ from collections.abc import Generator, Sequence
 from ..mechanics import Shell
 from ..scene import PressureTable, Scene
 from ..solve import (
-    Approach,
+    ApproachEnd,
+    ButcherTableau,
     Equilibrium,
     EquilibriumError,
-    Evolution,
     PathError,
     Stability,
-    Step,
-    Tableau,
-    TimeSteps,
-    approach,
-    limit_point,
+    StepController,
+    StepResult,
+    TimeStepper,
+    approach_limit_point,
+    find_limit_pressure,
     same_time,
 )
 from .checkpoint import Checkpoint
-from .outcome import Outcome, overloaded, worn_out
-from .recorder import Journal
+from .outcome import Outcome, limit_pressure_reached, softened
+from .recorder import Recorder
 from .result import Row, Timings
 
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
@@ -33,7 +33,7 @@ _FAST = 0.25  # rate V'/V above which it counts as fast, and errors are held to 
 _STILL = 1e-7  # change of the volume in a step after which it is asked whether anything grows
 
 
-class March:
+class Transient:
     """A run of a scene in time, or to a single equilibrium.
 
     Parameters
@@ -60,15 +60,15 @@ class March:
         shell: Shell,
         equilibrium: Equilibrium,
         stability: Stability,
-        evolution: Evolution,
-        tableau: Tableau,
-        journal: Journal,
+        stepper: TimeStepper,
+        tableau: ButcherTableau,
+        recorder: Recorder,
         tolerance: float,
     ) -> None:
         self._scene, self._shell = scene, shell
         self._equilibrium, self._stability = equilibrium, stability
-        self._evolution, self._tableau = evolution, tableau
-        self._journal, self._tolerance = journal, tolerance
+        self._stepper, self._tableau = stepper, tableau
+        self._recorder, self._tolerance = recorder, tolerance
         self._stable = True
         self._cut = False
         self._switches = sorted(time for zone in scene.growing for time in zone.span)
@@ -78,32 +78,32 @@ class March:
 
     @property
     def _time(self) -> float:
-        return self._evolution.state.time
+        return self._stepper.accepted.time
 
     def restore(self, checkpoint: Checkpoint) -> None:
         """Go on from a checkpoint, whose arrays are those of this rank."""
-        self._equilibrium.restore(checkpoint.tangent)
-        self._evolution.restore(checkpoint.evolution)
-        self._steps.restore(checkpoint.steps)
+        self._equilibrium.restore(checkpoint.chord)
+        self._stepper.restore(checkpoint.stepper)
+        self._steps.restore(checkpoint.controller)
         self._stability.last = checkpoint.stability
-        self._cut = checkpoint.cut
+        self._cut = checkpoint.step_reduced
         self.checkpoint = checkpoint
 
-    def go(self) -> Generator[Row, None, Outcome]:
+    def run(self) -> Generator[Row, None, Outcome]:
         """Run to the end, or to what ends the run; yields the row of each accepted state."""
-        run, journal, steps = self._scene.run, self._journal, self._steps
+        run, recorder, steps = self._scene.run, self._recorder, self._steps
         if self.checkpoint is None:
             if (lost := self._load()) is not None:
                 return lost
             self._settle(0.0)
-            yield journal.rows[-1]
+            yield recorder.rows[-1]
         if run is None:
             return Outcome("finished", "equilibrium found")
         while (end := self._propose(steps)) is not None:
             try:
-                step = self._evolution.attempt(end)
+                step = self._stepper.attempt(end)
             except EquilibriumError as error:
-                journal.reject(error.iterations)
+                recorder.reject(error.iterations)
                 steps.failed()
                 if steps.failures >= self._patience or steps.exhausted:
                     lost = yield from self._limit(end)
@@ -113,8 +113,8 @@ class March:
                         return self._failed(error)
                 continue
             if self._past_limit():
-                self._evolution.reject()
-                journal.reject(step.iterations)
+                self._stepper.reject()
+                recorder.reject(step.iterations)
                 steps.failed()
                 lost = yield from self._limit(end)
                 if lost is not None:
@@ -123,41 +123,41 @@ class March:
                     return self._failed(EquilibriumError("only states past a limit point", 0))
                 continue
             if not self._good(steps, step, end):
-                self._evolution.reject()
-                journal.reject(step.iterations)
+                self._stepper.reject()
+                recorder.reject(step.iterations)
                 continue
             start = self._time
-            self._evolution.accept(end)
+            self._stepper.accept(end)
             if _among(end, self._kinks):
-                self._evolution.forget()
+                self._stepper.reset_predictor()
             if _among(end, self._switches):
-                steps.begin_again()
-            row = journal.accept(end, end - start, step.iterations, self._stable)
+                steps.reset()
+            row = recorder.accept(end, end - start, step.iterations, self._stable)
             self._settle(end)
             yield row
-        grown = journal.rows[-1].max_growth_strain
+        grown = recorder.rows[-1].max_growth_strain
         message = f"reached {run.end:g} min"
         if self._growing and grown == 0:
             message += "; nothing grew: the stress stays below the threshold"
         if self._cut:
             message += f"; steps were cut, for {self._tableau.name} is not stable in longer ones"
-        elif steps.cuts and self._scene.numerics.step is not None:
-            message += f"; fixed steps that found no equilibrium were cut: {steps.cuts}"
+        elif steps.reductions and self._scene.numerics.step is not None:
+            message += f"; fixed steps that found no equilibrium were cut: {steps.reductions}"
         return Outcome("finished", message)
 
     def _settle(self, time: float) -> None:
         """Keep what an accepted state at a time in min leaves, and what goes on from it."""
-        run, journal = self._scene.run, self._journal
+        run, recorder = self._scene.run, self._recorder
         if run is None or _among(time, run.save):
-            journal.save()
+            recorder.save()
         self.checkpoint = Checkpoint(
             scene="",
-            evolution=self._evolution.memory(),
-            tangent=self._equilibrium.tangent,
-            steps=self._steps.memory(),
+            stepper=self._stepper.state(),
+            chord=self._equilibrium.tangent,
+            controller=self._steps.state(),
             stability=self._stability.last,
-            cut=self._cut,
-            tally=journal.tally(),
+            step_reduced=self._cut,
+            recorder=recorder.state(),
             timings=Timings(),
         )
 
@@ -165,27 +165,27 @@ class March:
 
     def _load(self) -> Outcome | None:
         """First equilibrium: at once, or where Newton's method fails or strays, step by step."""
-        evolution, journal = self._evolution, self._journal
+        stepper, recorder = self._stepper, self._recorder
         try:
-            iterations = evolution.load()
+            iterations = stepper.load()
             if not self._past_limit():
-                journal.accept(0.0, 0.0, iterations, self._stable)
+                recorder.accept(0.0, 0.0, iterations, self._stable)
                 return None
         except EquilibriumError as error:
             iterations = error.iterations
-        journal.reject(iterations)
-        evolution.unload()
+        recorder.reject(iterations)
+        stepper.unload()
         try:
-            limit = limit_point(self._shell, evolution.pressure(0.0), self._tolerance)
+            limit = find_limit_pressure(self._shell, stepper.pressure(0.0), self._tolerance)
             if limit is not None:
-                journal.spend(limit.iterations)
-                return overloaded(limit.pressure)
-            iterations = evolution.load()
+                recorder.count_iterations(limit.iterations)
+                return limit_pressure_reached(limit.pressure)
+            iterations = stepper.load()
         except (EquilibriumError, PathError) as error:
-            evolution.unload()
+            stepper.unload()
             return Outcome("failed", f"the wall finds no equilibrium under its pressure: {error}")
         self._past_limit()
-        journal.accept(0.0, 0.0, iterations, self._stable)
+        recorder.accept(0.0, 0.0, iterations, self._stable)
         return None
 
     # --- steps ----------------------------------------------------------------------------
@@ -198,26 +198,26 @@ class March:
         inside = (t for t in (*times, *self._switches) if 0 < t < end)
         return sorted([min(turgor.ramp, end), *inside])
 
-    def _time_steps(self) -> TimeSteps:
+    def _time_steps(self) -> StepController:
         """Fixed steps, or steps that follow the estimated error of growth."""
         run, numerics, growth_time = self._scene.run, self._scene.numerics, self._scene.growth_time
         milestones = [] if run is None else [*self._kinks, *run.save, run.end]
         if numerics.step is not None:
-            return TimeSteps(milestones, numerics.step, None)
+            return StepController(milestones, numerics.step, None)
         if growth_time is None:
-            return TimeSteps(milestones, max(milestones, default=0.0) / 100, None)
-        return TimeSteps(milestones, _FIRST_STEP * growth_time, self._tableau.estimate_order)
+            return StepController(milestones, max(milestones, default=0.0) / 100, None)
+        return StepController(milestones, _FIRST_STEP * growth_time, self._tableau.estimate_order)
 
-    def _propose(self, steps: TimeSteps) -> float | None:
+    def _propose(self, steps: StepController) -> float | None:
         """End of the next step; where nothing will change, all the way to the next milestone."""
-        rows = self._journal.rows
+        rows = self._recorder.rows
         changed = abs(rows[-1].volume_um3 - rows[max(0, len(rows) - 2)].volume_um3)
         if changed <= _STILL * rows[-1].volume_um3:
-            milestone = steps.leap(self._time)
+            milestone = steps.propose_milestone(self._time)
             steady = milestone is None or not self._changing(milestone)
-            if steady and self._evolution.resting:
+            if steady and self._stepper.at_rest:
                 return milestone
-        wanted, longest = steps.propose(self._time), self._evolution.longest_step
+        wanted, longest = steps.propose(self._time), self._stepper.longest_step
         if wanted is None or wanted - self._time <= longest:
             return wanted
         self._cut = self._cut or self._scene.numerics.step is not None
@@ -229,21 +229,21 @@ class March:
 
     def _changing(self, end: float) -> bool:
         """Whether the pressure changes from now to a time before the next kink."""
-        return self._evolution.pressure(end) != self._evolution.pressure(self._time)
+        return self._stepper.pressure(end) != self._stepper.pressure(self._time)
 
     def _past_limit(self) -> bool:
         """Whether the trial is past a limit point, or inside out; notes whether it is stable."""
-        self._stable = self._stability.falling() == 0
+        self._stable = self._stability.negative_modes() == 0
         if self._stable:
             return False
         inside_out = self._scene.cell.closed and self._shell.volume() <= 0
         return self._equilibrium.compliance() < 0 or inside_out
 
-    def _good(self, steps: TimeSteps, step: Step, end: float) -> bool:
+    def _good(self, steps: StepController, step: StepResult, end: float) -> bool:
         """Whether the trial is good enough; adapts the steps."""
         if self._scene.numerics.step is not None:
-            return steps.judge(0.0)
-        return steps.judge(self._badness(self._evolution.volume_error(step), end - self._time))
+            return steps.accepts(0.0)
+        return steps.accepts(self._badness(self._stepper.volume_error(step), end - self._time))
 
     def _badness(self, error: float, dt: float) -> float:
         """Estimated error of the volume, 1 being the largest wanted.
@@ -252,12 +252,12 @@ class March:
         the run: it is held against what the cell grows in the characteristic time. In fast growth
         the shift is multiplied by what is still to come, and it is held against the volume.
         """
-        growth_time, journal = self._scene.growth_time, self._journal
+        growth_time, recorder = self._scene.growth_time, self._recorder
         if growth_time is None:
             return 0.0
         volume = self._shell.volume()
-        grown = abs(volume - journal.rows[-1].volume_um3) * growth_time / dt
-        grown = min(max(grown, _SLOW * journal.volume_0), _FAST * volume)
+        grown = abs(volume - recorder.rows[-1].volume_um3) * growth_time / dt
+        grown = min(max(grown, _SLOW * recorder.volume_0), _FAST * volume)
         wanted = self._scene.numerics.tolerance * grown
         return abs(error) / (self._tableau.caution * wanted)
 
@@ -278,22 +278,22 @@ class March:
             return self._lost(end) if lost else None
         if not self._changing(end):
             return None
-        start, pressure = self._time, self._evolution.pressure
+        start, pressure = self._time, self._stepper.pressure
         try:
-            limit = limit_point(self._shell, pressure(end), self._tolerance)
+            limit = find_limit_pressure(self._shell, pressure(end), self._tolerance)
         except PathError:
             limit = None
         if limit is None:
-            self._evolution.reject()
+            self._stepper.reject()
             return None
         part = (limit.pressure - pressure(start)) / (pressure(end) - pressure(start))
         time = start + part * (end - start)
         if time > start:
-            self._evolution.accept(time)
-            yield self._journal.accept(time, time - start, limit.iterations, True)
+            self._stepper.accept(time)
+            yield self._recorder.accept(time, time - start, limit.iterations, True)
         else:
-            self._evolution.reject()
-        return overloaded(limit.pressure, time)
+            self._stepper.reject()
+        return limit_pressure_reached(limit.pressure, time)
 
     def _meets_limit(self, end: float) -> Generator[Row, None, bool]:
         """Whether a growing wall loses its equilibrium on the way to a time, followed by volume."""
@@ -301,15 +301,17 @@ class March:
         if rate == 0:
             return False
         precision = self._scene.numerics.tolerance
-        walk = approach(self._evolution, self._tolerance, precision, rate, end, self._accept)
-        verdict, spent = yield from walk
-        self._evolution.forget()
-        self._journal.spend(spent)
-        return verdict is Approach.LIMIT
+        steps = approach_limit_point(
+            self._stepper, self._tolerance, precision, rate, end, self._accept
+        )
+        check_convergence, spent = yield from steps
+        self._stepper.reset_predictor()
+        self._recorder.count_iterations(spent)
+        return check_convergence is ApproachEnd.LIMIT
 
     def _volume_rate(self, end: float) -> float:
         """Rate of the volume in µm³/min: that of the last step, and what the pressure changes."""
-        rows = self._journal.rows
+        rows = self._recorder.rows
         last, before = rows[-1], rows[max(0, len(rows) - 2)]
         rate, slope = 0.0, self._slope(end)
         if last.step_min > 0:
@@ -319,20 +321,20 @@ class March:
 
     def _slope(self, end: float) -> float:
         """Rate of the pressure in MPa/min from now to a time before the next kink."""
-        pressure = self._evolution.pressure
+        pressure = self._stepper.pressure
         return (pressure(end) - pressure(self._time)) / (end - self._time)
 
     def _lost(self, end: float) -> Outcome:
         """Tell which of growth and pressure has brought a growing wall to its limit point."""
-        last, growth_time = self._journal.rows[-1], self._scene.growth_time
+        last, growth_time = self._recorder.rows[-1], self._scene.growth_time
         if growth_time is not None and self._slope(end) * growth_time / last.pressure_MPa > 1:
-            return overloaded(last.pressure_MPa, last.time_min)
-        return worn_out(last, self._scene.wall.energy_per == "reference")
+            return limit_pressure_reached(last.pressure_MPa, last.time_min)
+        return softened(last, self._scene.wall.energy_per == "reference")
 
     def _accept(self, iterations: int, step: float) -> Row:
         """Note a state accepted on the approach to a limit point."""
-        stable = self._stability.falling() == 0
-        return self._journal.accept(self._time, step, iterations, stable)
+        stable = self._stability.negative_modes() == 0
+        return self._recorder.accept(self._time, step, iterations, stable)
 
     def _failed(self, error: EquilibriumError) -> Outcome:
         return Outcome(

@@ -5,33 +5,33 @@ Knows no scene: it gets a shell, loads as numbers or functions, and tolerances.
 
 from __future__ import annotations
 
-from .equilibrium import Equilibrium, EquilibriumError, Tangent
-from .limit_points import Approach, approach
-from .path_following import Goal, PathError, Plane, follow, limit_point
-from .runge_kutta import TABLEAUX, Tableau
-from .stability import Count, Stability
-from .step_control import Controller, TimeSteps, same_time
-from .time_stepper import Evolution, Memory, Step
+from .equilibrium import ChordState, Equilibrium, EquilibriumError
+from .limit_points import ApproachEnd, approach_limit_point
+from .path_following import PathCoordinates, PathError, PathTarget, find_limit_pressure, follow_path
+from .runge_kutta import TABLEAUX, ButcherTableau
+from .stability import Stability, StabilityState
+from .step_control import ControllerState, StepController, same_time
+from .time_stepper import StepperState, StepResult, TimeStepper
 
 __all__ = [
     "TABLEAUX",
-    "Approach",
-    "Controller",
-    "Count",
+    "ApproachEnd",
+    "ButcherTableau",
+    "ChordState",
+    "ControllerState",
     "Equilibrium",
     "EquilibriumError",
-    "Evolution",
-    "Goal",
-    "Memory",
+    "PathCoordinates",
     "PathError",
-    "Plane",
+    "PathTarget",
     "Stability",
-    "Step",
-    "Tableau",
-    "Tangent",
-    "TimeSteps",
-    "approach",
-    "follow",
-    "limit_point",
+    "StabilityState",
+    "StepController",
+    "StepResult",
+    "StepperState",
+    "TimeStepper",
+    "approach_limit_point",
+    "find_limit_pressure",
+    "follow_path",
     "same_time",
 ]

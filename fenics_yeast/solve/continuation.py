@@ -14,14 +14,14 @@ import numpy as np
 
 from .. import _dolfinx as dx
 from ..mechanics import Shell
-from .equilibrium import EquilibriumError, newton, verdict
-from .initial_guess import leave_plane
+from .equilibrium import EquilibriumError, check_convergence, newton
+from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
 _PRECISION = 1e-9  # of the volume, relative
 
 
-class VolumeControl:
+class BorderedNewton:
     """Newton's method for the state and one parameter of the load; a context manager.
 
     The tangent is bordered by a row and a column. They are eliminated by blocks, with two
@@ -70,7 +70,7 @@ class VolumeControl:
         outer.getPC().setPythonContext(self)
         self.snes.setFromOptions()
 
-    def __enter__(self) -> VolumeControl:
+    def __enter__(self) -> BorderedNewton:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -112,18 +112,20 @@ class VolumeControl:
         EquilibriumError
             With SNES' reason in words; state, growth and parameter are then as before.
         """
-        before = self._shell.snapshot()
+        before = self._shell.state()
         value = accepted = float(self._parameter.value)
         self._target, self._by_amount, self._by_parameter = target, by_amount, by_parameter
         self._rise = rise or (float(self._shell.pressure.value), 0.0)
         if self._parameter is self._shell.pressure:
-            value = leave_plane(self._shell, lambda V, p: by_amount * V + by_parameter * p, target)
+            value = inflate_flat_membrane(
+                self._shell, lambda V, p: by_amount * V + by_parameter * p, target
+            )
         x = self._x.array
         x[: self._equations.owned] = self._shell.w.x.array[: self._equations.owned]
         x[self._equations.owned :] = value
         self.snes.solve(None, self._x)
         try:
-            iterations = verdict(self.snes)
+            iterations = check_convergence(self.snes)
         except EquilibriumError:
             self._parameter.value = accepted
             if self._growth is not None:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..mechanics import PointValues, Shell, Snapshot, Unknowns
-from .initial_guess import leave_plane
+from ..mechanics import PointValues, Shell, ShellState, Unknowns
+from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ _ALIKE = 0.1  # relative difference of stages that may share a tangent
 
 
 @dataclass(frozen=True)
-class Tangent:
+class ChordState:
     """Where a tangent was formed: formed there again, it is the same.
 
     Attributes
@@ -79,7 +79,7 @@ def newton(comm: Any, prefix: str, tolerance: float) -> Any:
     return snes
 
 
-def verdict(snes: Any) -> int:
+def check_convergence(snes: Any) -> int:
     """Newton iterations of a solution that converged.
 
     Raises
@@ -103,15 +103,15 @@ class Equilibrium:
         The wall; the solver moves its trial state.
     tolerance
         Norm of the residual in µN at which it counts as zero.
-    good_reduction
+    reuse_threshold
         Reduction of the residual by an iteration that keeps the tangent of an earlier one, also
         of an earlier solution, in use; 0 for a new tangent at each iteration.
     """
 
-    def __init__(self, shell: Shell, tolerance: float, good_reduction: float = 0.03) -> None:
+    def __init__(self, shell: Shell, tolerance: float, reuse_threshold: float = 0.03) -> None:
         self._shell = shell
-        self._good_reduction = good_reduction
-        self._formed: Tangent | None = None  # the tangent in use
+        self._good_reduction = reuse_threshold
+        self._formed: ChordState | None = None  # the tangent in use
         self._norm = 0.0
         self._equations = equations = Equations(shell)
         self._x = equations.matrix.createVecRight()
@@ -148,37 +148,37 @@ class Equilibrium:
         EquilibriumError
             With SNES' reason in words; displacement and growth are then as before.
         """
-        before, shell = self._shell.snapshot(), self._shell
-        leave_plane(shell, lambda volume, pressure: pressure, float(shell.pressure.value))
+        before, shell = self._shell.state(), self._shell
+        inflate_flat_membrane(shell, lambda volume, pressure: pressure, float(shell.pressure.value))
         self._x.array[:] = shell.w.x.array[: self._equations.owned]
         self.snes.solve(None, self._x)
         try:
-            iterations = verdict(self.snes)
+            iterations = check_convergence(self.snes)
         except EquilibriumError:
             self._shell.restore(before)
             self._formed = None
             raise
-        self._equations.load_if_needed(self._x.array_r)
+        self._equations.set_trial_if_changed(self._x.array_r)
         return iterations
 
     @property
-    def tangent(self) -> Tangent | None:
+    def tangent(self) -> ChordState | None:
         """Where the tangent in use was formed; None if the next solution forms a new one."""
         return self._formed
 
-    def restore(self, tangent: Tangent | None) -> None:
+    def restore(self, tangent: ChordState | None) -> None:
         """Form the tangent of an earlier run again; this moves the trial state there."""
         self._formed = tangent
         if tangent is None:
             return
         shell, growth = self._shell, self._shell.growth
-        shell.restore(Snapshot(tangent.w, tangent.eps_g))
+        shell.restore(ShellState(tangent.w, tangent.eps_g))
         shell.pressure.value = tangent.pressure
         if growth is not None and tangent.base is not None:
             growth.stage.value = tangent.stage
             growth.set_base(tangent.base)
-            growth.during(*tangent.span)
-            growth.follow()
+            growth.set_interval(*tangent.span)
+            growth.update_weights()
         self._equations.tangent()
 
     def compliance(self) -> float:
@@ -233,6 +233,6 @@ class Equilibrium:
         if good and alike and self._good_reduction > 0:
             return
         self._equations.tangent()
-        trial, pressure = self._shell.snapshot(), float(self._shell.pressure.value)
+        trial, pressure = self._shell.state(), float(self._shell.pressure.value)
         base, span = (None, ()) if growth is None else (growth.get_base(), growth.span)
-        self._formed = Tangent(trial.w, trial.eps_g, base, stage, pressure, span)
+        self._formed = ChordState(trial.w, trial.eps_g, base, stage, pressure, span)

@@ -13,7 +13,9 @@ from ..mechanics import Shell
 _RISE = 0.6
 
 
-def leave_plane(shell: Shell, load: Callable[[float, float], float], wanted: float) -> float:
+def inflate_flat_membrane(
+    shell: Shell, load: Callable[[float, float], float], wanted: float
+) -> float:
     """Blow a flat membrane that is at rest up to a paraboloid; leave every other wall alone.
 
     Parameters
@@ -30,7 +32,7 @@ def leave_plane(shell: Shell, load: Callable[[float, float], float], wanted: flo
     float
         The pressure in MPa that goes with it; the shell's own where nothing was moved.
     """
-    if wanted == 0 or not is_plane(shell):
+    if wanted == 0 or not is_flat_membrane(shell):
         return float(shell.pressure.value)
     curve = shell.discretisation.curve
     S, dofs = dx.node_dofs(shell.space)
@@ -51,7 +53,7 @@ def leave_plane(shell: Shell, load: Callable[[float, float], float], wanted: flo
     return float(np.copysign(loaded(low)[1], wanted))
 
 
-def is_plane(shell: Shell) -> bool:
+def is_flat_membrane(shell: Shell) -> bool:
     """Whether a wall is a membrane without height, and at rest."""
     if shell.bending:
         return False

@@ -7,9 +7,9 @@ from enum import Enum
 from math import copysign
 from typing import TypeVar
 
-from .continuation import VolumeControl
+from .continuation import BorderedNewton
 from .equilibrium import EquilibriumError
-from .time_stepper import LIMIT_POINT, Evolution
+from .time_stepper import LIMIT_POINT, TimeStepper
 
 _SHARPNESS = 2e-5  # of the time: how near the limit point is found
 _LARGEST_STEP = 0.02  # of the volume; less of it where more precision is wanted
@@ -19,7 +19,7 @@ _MOST_STEPS = 400
 T = TypeVar("T")
 
 
-class Approach(Enum):
+class ApproachEnd(Enum):
     """How an approach ended."""
 
     LIMIT = "the limit point was found"
@@ -27,14 +27,14 @@ class Approach(Enum):
     STUCK = "no step in volume converged either"
 
 
-def approach(
-    evolution: Evolution,
+def approach_limit_point(
+    stepper: TimeStepper,
     tolerance: float,
     precision: float,
     growth_rate: float,
     milestone: float,
     note: Callable[[int, float], T],
-) -> Generator[T, None, tuple[Approach, int]]:
+) -> Generator[T, None, tuple[ApproachEnd, int]]:
     """Step in volume, with time as an unknown, until time no longer goes on.
 
     Yields the row of each accepted step.
@@ -59,42 +59,42 @@ def approach(
     tuple
         How it ended, and the iterations of rejected steps.
     """
-    shell = evolution.shell
+    shell = stepper.shell
     if shell.growth is None:
         raise ValueError("an elastic wall does not change in time")
     spent = 0
     fraction = _LARGEST_STEP * min(1.0, 0.8 * (precision / 1e-4) ** (1 / LIMIT_POINT.order))
     largest = copysign(fraction * shell.volume(), growth_rate)
     change, first_rate = 0.5 * largest, growth_rate
-    beginning, pressure = evolution.state.time, evolution.pressure
+    beginning, pressure = stepper.accepted.time, stepper.pressure
     slope = (pressure(milestone) - pressure(beginning)) / (milestone - beginning)
-    with VolumeControl(shell, shell.growth.stage, tolerance) as control:
+    with BorderedNewton(shell, shell.growth.stage, tolerance) as control:
         for _ in range(_MOST_STEPS):
-            start, volume = evolution.state.time, shell.volume()
+            start, volume = stepper.accepted.time, shell.volume()
             try:
                 guess = change / growth_rate
-                iterations, dt = evolution.attempt_volume(control, volume + change, guess, slope)
+                iterations, dt = stepper.attempt_volume_step(control, volume + change, guess, slope)
             except EquilibriumError as error:
                 spent += error.iterations
                 change /= 4
                 if abs(change) < _LEAST_STEP * volume:
-                    return Approach.STUCK, spent
+                    return ApproachEnd.STUCK, spent
                 continue
             if dt <= 0:
-                evolution.reject()
+                stepper.reject()
                 spent += iterations
                 # Time is a parabola of the volume here: half of what it could still gain.
                 if change / growth_rate < _SHARPNESS * max(start, milestone - beginning):
                     # Towards a limit point the volume moves ever faster; else it turns here.
                     limit = abs(growth_rate) > abs(first_rate)
-                    return Approach.LIMIT if limit else Approach.STUCK, spent
+                    return ApproachEnd.LIMIT if limit else ApproachEnd.STUCK, spent
                 change /= 2
                 continue
             if start + dt > milestone:
-                evolution.reject()
-                return Approach.MILESTONE, spent + iterations
-            evolution.accept(start + dt)
+                stepper.reject()
+                return ApproachEnd.MILESTONE, spent + iterations
+            stepper.accept(start + dt)
             yield note(iterations, dt)
             growth_rate = change / dt
             change = min(1.5 * change, largest, key=abs)
-    return Approach.STUCK, spent
+    return ApproachEnd.STUCK, spent

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics import Shell
-from .continuation import VolumeControl
+from .continuation import BorderedNewton
 from .equilibrium import EquilibriumError
 
 Array = NDArray[np.float64]
@@ -22,7 +22,10 @@ _LEAST_STEP = 2.0**-10  # of the first one
 _LENGTHENED = 1.05  # growth of steps beyond those asked for
 _NEAR = 1e-7  # of a unit: what is nearer to the goal is there
 _MOST_POINTS = 20  # times the number of steps asked for
-_LARGEST_WALK, _MOST_WALKED = 0.02, 1000  # steps of the volume in search of a limit point
+_LARGEST_VOLUME_STEP, _MOST_VOLUME_STEPS = (
+    0.02,
+    1000,
+)  # steps of the volume in search of a limit point
 _BEFORE = 2e-4  # of the volume: how far before a limit point it is told and left
 
 
@@ -31,7 +34,7 @@ class PathError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Plane:
+class PathCoordinates:
     """The plane in which a path runs: what a load works on, and the load.
 
     Attributes
@@ -49,7 +52,7 @@ class Plane:
 
 
 @dataclass(frozen=True)
-class Goal:
+class PathTarget:
     """Where a path ends: the coordinate that is given, 0 the amount and 1 the load, and its value.
 
     The value is in the unit of the coordinate.
@@ -59,8 +62,13 @@ class Goal:
     value: float
 
 
-def follow(
-    shell: Shell, plane: Plane, control: Control, goal: Goal, steps: int, tolerance: float
+def follow_path(
+    shell: Shell,
+    coordinates: PathCoordinates,
+    control: Control,
+    target: PathTarget,
+    steps: int,
+    tolerance: float,
 ) -> Iterator[int]:
     """Walk along the equilibria of a wall under a growing load until a goal.
 
@@ -88,17 +96,20 @@ def follow(
     PathError
         At a limit point that the control cannot pass, or where no step converges.
     """
-    with VolumeControl(shell, plane.load, tolerance) as solver:
+    with BorderedNewton(shell, coordinates.load, tolerance) as solver:
 
         def place() -> tuple[float, float]:
-            return solver.amount() / plane.amount_unit, plane.load.value / plane.load_unit
+            return (
+                solver.amount() / coordinates.amount_unit,
+                coordinates.load.value / coordinates.load_unit,
+            )
 
         def solve(along: Array, target: float) -> int:
             """Equilibrium where the point's projection on a direction has a given length."""
             return solver.solve(
                 target,
-                by_amount=along[0] / plane.amount_unit,
-                by_parameter=along[1] / plane.load_unit,
+                by_amount=along[0] / coordinates.amount_unit,
+                by_parameter=along[1] / coordinates.load_unit,
             )
 
         def find(along: Array, target: float) -> int:
@@ -110,8 +121,8 @@ def follow(
 
         closed = shell.discretisation.ends == ("pole", "pole")
         v, q = place()
-        points = deque([(0.0, _state(shell, plane))], maxlen=3)
-        span = goal.value - (v, q)[goal.axis]
+        points = deque([(0.0, _state(shell, coordinates))], maxlen=3)
+        span = target.value - (v, q)[target.axis]
         if abs(span) < _NEAR:
             return
         step = whole = abs(span) / steps
@@ -120,22 +131,22 @@ def follow(
             along = along[::-1]
         for count in range(_MOST_POINTS * steps):
             try:
-                _predict(shell, plane, points, points[-1][0] + step)
+                _predict(shell, coordinates, points, points[-1][0] + step)
                 iterations = find(along, float(along @ (v, q)) + step)
                 new = place()
-                ahead = (goal.value - new[goal.axis]) * copysign(
-                    1.0, goal.value - (v, q)[goal.axis]
+                ahead = (target.value - new[target.axis]) * copysign(
+                    1.0, target.value - (v, q)[target.axis]
                 )
                 passed = ahead < _NEAR
                 if passed:
-                    iterations += find(np.eye(2)[goal.axis], goal.value)
+                    iterations += find(np.eye(2)[target.axis], target.value)
             except EquilibriumError as error:
-                _set_state(shell, plane, points[-1][1])
+                _set_state(shell, coordinates, points[-1][1])
                 step /= 2
                 if step < _LEAST_STEP * whole:
                     raise PathError(f"no step from here converged: {error}") from error
                 continue
-            points.append((points[-1][0] + step, _state(shell, plane)))
+            points.append((points[-1][0] + step, _state(shell, coordinates)))
             yield iterations
             if passed:
                 return
@@ -147,35 +158,35 @@ def follow(
     raise PathError(f"{_MOST_POINTS * steps} points did not reach the goal")
 
 
-def _state(shell: Shell, plane: Plane) -> Array:
+def _state(shell: Shell, coordinates: PathCoordinates) -> Array:
     """State of a shell and its load in one array."""
-    return np.append(shell.w.x.array, float(plane.load.value))
+    return np.append(shell.w.x.array, float(coordinates.load.value))
 
 
-def _set_state(shell: Shell, plane: Plane, state: Array) -> None:
-    shell.w.x.array[:], plane.load.value = state[:-1], float(state[-1])
+def _set_state(shell: Shell, coordinates: PathCoordinates, state: Array) -> None:
+    shell.w.x.array[:], coordinates.load.value = state[:-1], float(state[-1])
 
 
 def _predict(
-    shell: Shell, plane: Plane, points: Sequence[tuple[float, Array]], place: float
+    shell: Shell, coordinates: PathCoordinates, points: Sequence[tuple[float, Array]], place: float
 ) -> None:
     """Start a solution from the polynomial through the last points of the path."""
     start = np.zeros_like(points[-1][1])
     for i, (s, state) in enumerate(points):
         others = [t for j, (t, _) in enumerate(points) if j != i]
         start += state * np.prod([(place - t) / (s - t) for t in others])
-    _set_state(shell, plane, start)
+    _set_state(shell, coordinates, start)
 
 
 @dataclass(frozen=True)
-class LimitPoint:
+class LimitPressure:
     """A largest pressure on a path: in MPa, and the iterations it took to find it."""
 
     pressure: float
     iterations: int
 
 
-def limit_point(shell: Shell, pressure: float, tolerance: float) -> LimitPoint | None:
+def find_limit_pressure(shell: Shell, pressure: float, tolerance: float) -> LimitPressure | None:
     """Look for a limit point on the way from the trial state to a pressure.
 
     The walk is one in volume, at given growth. The trial state is moved to just before the limit
@@ -202,25 +213,25 @@ def limit_point(shell: Shell, pressure: float, tolerance: float) -> LimitPoint |
     """
     sign = copysign(1.0, pressure - float(shell.pressure.value))
     points = [(shell.volume(), float(shell.pressure.value))]
-    step, spent, size = _LARGEST_WALK, 0, shell.reference_volume
-    with VolumeControl(shell, shell.pressure, tolerance) as solver:
-        for _ in range(_MOST_WALKED):
+    step, spent, size = _LARGEST_VOLUME_STEP, 0, shell.reference_volume
+    with BorderedNewton(shell, shell.pressure, tolerance) as solver:
+        for _ in range(_MOST_VOLUME_STEPS):
             try:
                 spent += solver.solve(points[-1][0] + sign * step * size)
             except EquilibriumError as error:
                 spent += error.iterations
                 step /= 2
-                if step < _LEAST_STEP * _LARGEST_WALK:
+                if step < _LEAST_STEP * _LARGEST_VOLUME_STEP:
                     raise PathError(f"no step from here converged: {error}") from error
                 continue
             points.append((shell.volume(), float(shell.pressure.value)))
-            step = min(_LARGEST_WALK, 1.5 * step)
+            step = min(_LARGEST_VOLUME_STEP, 1.5 * step)
             if len(points) > 2 and sign * (points[-1][1] - points[-2][1]) < 0:
                 volumes, pressures = np.array(points[-3:]).T
                 top = np.polynomial.Polynomial.fit(volumes, pressures, 2).deriv().roots()[0]
                 spent += solver.solve(float(np.real(top)) - sign * _BEFORE * size)
                 found = float(shell.pressure.value)
-                return LimitPoint(found, spent) if sign * (pressure - found) > 0 else None
+                return LimitPressure(found, spent) if sign * (pressure - found) > 0 else None
             if sign * (pressure - points[-1][1]) <= 0:
                 return None
-    raise PathError(f"{_MOST_WALKED} steps in volume did not reach the pressure")
+    raise PathError(f"{_MOST_VOLUME_STEPS} steps in volume did not reach the pressure")

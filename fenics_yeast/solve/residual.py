@@ -59,7 +59,7 @@ class Equations:
         growth = self._following()
         return growth is None or growth.update()
 
-    def load_if_needed(self, values: Any) -> None:
+    def set_trial_if_changed(self, values: Any) -> None:
         """Load values unless they are, on all ranks, those of the trial state already."""
         loaded = np.array_equal(self._w[: self.owned], values)
         if self.shell.comm.size > 1:

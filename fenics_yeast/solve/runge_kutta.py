@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Tableau:
+class ButcherTableau:
     """A stiffly accurate diagonally implicit Runge-Kutta method with an error estimate.
 
     Attributes
@@ -48,30 +48,32 @@ class Tableau:
         return self.A.sum(axis=1)
 
 
-def _forward_euler() -> Tableau:
+def _forward_euler() -> ButcherTableau:
     """Its estimate is the distance from Heun's method."""
     A = np.array([[0.0, 0.0], [1.0, 0.0]])
-    return Tableau("forward-euler", A, 1, np.array([0.5, 0.5]), 2, 0.02)
+    return ButcherTableau("forward-euler", A, 1, np.array([0.5, 0.5]), 2, 0.02)
 
 
-def _backward_euler() -> Tableau:
+def _backward_euler() -> ButcherTableau:
     """Its estimate is the distance from the trapezoidal rule."""
     A = np.array([[0.0, 0.0], [0.0, 1.0]])
-    return Tableau("backward-euler", A, 1, np.array([0.5, 0.5]), 2, 0.02)
+    return ButcherTableau("backward-euler", A, 1, np.array([0.5, 0.5]), 2, 0.02)
 
 
-def _sdirk2() -> Tableau:
+def _sdirk2() -> ButcherTableau:
     """Two stages, L-stable: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021."""
     g = 1 - np.sqrt(0.5)
-    return Tableau("sdirk2", np.array([[g, 0.0], [1 - g, g]]), 2, np.array([1.0, 0.0]), 2, 1.0)
+    return ButcherTableau(
+        "sdirk2", np.array([[g, 0.0], [1 - g, g]]), 2, np.array([1.0, 0.0]), 2, 1.0
+    )
 
 
-def _sdirk3() -> Tableau:
+def _sdirk3() -> ButcherTableau:
     """Three stages, L-stable: Alexander (1977); embedded the second order of two stages."""
     g = float(np.roots([1, -3, 1.5, -1 / 6])[1].real)  # the root between 1/6 and 1/2
     b1, b2 = -(6 * g**2 - 16 * g + 1) / 4, (6 * g**2 - 20 * g + 5) / 4
     A = np.array([[g, 0.0, 0.0], [(1 - g) / 2, g, 0.0], [b1, b2, g]])
-    return Tableau("sdirk3", A, 3, np.array([g, 1 - 2 * g, 0.0]) / (1 - g), 3, 20.0)
+    return ButcherTableau("sdirk3", A, 3, np.array([g, 1 - 2 * g, 0.0]) / (1 - g), 3, 20.0)
 
 
 TABLEAUX = {

@@ -11,10 +11,10 @@ _SAME = 2e-3  # change of the volume up to which a count is taken over
 
 
 @dataclass(frozen=True)
-class Count:
+class StabilityState:
     """Number of directions in which the potential fell, at a volume in µm³ and pressure in MPa."""
 
-    falling: int = 0
+    negative_modes: int = 0
     volume: float = 0.0
     pressure: float = 0.0
 
@@ -34,7 +34,7 @@ class Stability:
 
     def __init__(self, shell: Shell) -> None:
         self._shell = shell
-        self.last = Count()
+        self.last = StabilityState()
         self._matrix = dx.create_matrix(shell.tangent)
         self._matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
         self._multipliers = dx.size_of_second(shell.space)
@@ -56,7 +56,7 @@ class Stability:
         self._solver.destroy()
         self._matrix.destroy()
 
-    def falling(self) -> int:
+    def negative_modes(self) -> int:
         """Number of independent directions in which the potential falls; 0 where stable.
 
         It is counted anew where the volume has moved since the last count, or the pressure:
@@ -64,8 +64,8 @@ class Stability:
         """
         volume, pressure = self._shell.volume(), float(self._shell.pressure.value)
         if not self._near(volume, pressure):
-            self.last = Count(self._count(), volume, pressure)
-        return self.last.falling
+            self.last = StabilityState(self._count(), volume, pressure)
+        return self.last.negative_modes
 
     def _near(self, volume: float, pressure: float) -> bool:
         """Whether the last count was in a state that looks the same from here."""

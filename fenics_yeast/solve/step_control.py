@@ -19,17 +19,17 @@ def same_time(a: float, b: float) -> bool:
 
 
 @dataclass(frozen=True)
-class Controller:
+class ControllerState:
     """What the next steps depend on: wanted and last length in min, last error, failures, cuts."""
 
     wanted: float
     taken: float
     last_error: float
     failures: int
-    cuts: int
+    reductions: int
 
 
-class TimeSteps:
+class StepController:
     """Proposes the end of the next step; is told what became of it.
 
     Steps before a milestone are made equal, so that none of them is a sliver.
@@ -59,7 +59,7 @@ class TimeSteps:
         self._least = step * _LEAST
         self._order = order
         self._last_error = 1.0
-        self.failures = self.cuts = 0
+        self.failures = self.reductions = 0
 
     def propose(self, time: float, longest: float = float("inf")) -> float | None:
         """End of the next step from a time, of a bounded length; None at the end of the run."""
@@ -71,29 +71,31 @@ class TimeSteps:
         self._taken = span / pieces
         return ahead[0] if pieces == 1 else time + self._taken
 
-    def leap(self, time: float) -> float | None:
+    def propose_milestone(self, time: float) -> float | None:
         """End of a step over a time in which nothing changes: the next milestone."""
         wanted, self._wanted = self._wanted, float("inf")
         end = self.propose(time)
         self._wanted = wanted
         return end
 
-    def memory(self) -> Controller:
+    def state(self) -> ControllerState:
         """What the next steps depend on."""
-        return Controller(self._wanted, self._taken, self._last_error, self.failures, self.cuts)
+        return ControllerState(
+            self._wanted, self._taken, self._last_error, self.failures, self.reductions
+        )
 
-    def restore(self, memory: Controller) -> None:
+    def restore(self, state: ControllerState) -> None:
         """Go on as an earlier run would have."""
-        self._wanted, self._taken = memory.wanted, memory.taken
-        self._last_error = memory.last_error
-        self.failures, self.cuts = memory.failures, memory.cuts
+        self._wanted, self._taken = state.wanted, state.taken
+        self._last_error = state.last_error
+        self.failures, self.reductions = state.failures, state.reductions
 
     @property
     def exhausted(self) -> bool:
         """Whether the step has become smaller than any that makes sense."""
         return self._wanted < self._least
 
-    def judge(self, error: float) -> bool:
+    def accepts(self, error: float) -> bool:
         """Whether a step with this error, 1 being the largest wanted, is good enough.
 
         The next step follows from it, by a proportional-integral controller.
@@ -111,12 +113,12 @@ class TimeSteps:
         self._last_error = error
         return True
 
-    def begin_again(self) -> None:
+    def reset(self) -> None:
         """Forget what the last steps taught: what comes is unlike them."""
         self._wanted, self._last_error = self._fixed, 1.0
 
     def failed(self) -> None:
         """Cut the step that found no equilibrium."""
         self.failures += 1
-        self.cuts += 1
+        self.reductions += 1
         self._wanted = _CUT * self._taken

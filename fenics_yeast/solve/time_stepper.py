@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..mechanics import PointValues, Shell, Snapshot, Unknowns
-from .continuation import VolumeControl
+from ..mechanics import PointValues, Shell, ShellState, Unknowns
+from .continuation import BorderedNewton
 from .equilibrium import Equilibrium, EquilibriumError
-from .runge_kutta import TABLEAUX, Tableau
+from .runge_kutta import TABLEAUX, ButcherTableau
 
 Array = NDArray[np.float64]
 
@@ -25,15 +25,15 @@ _MEMORY = 5  # solved states through which the start of the next solution is ext
 
 
 @dataclass(frozen=True)
-class State:
+class AcceptedState:
     """An accepted state: all that the next step starts from; time in min."""
 
     time: float
-    wall: Snapshot
+    wall: ShellState
 
 
 @dataclass(frozen=True)
-class Memory:
+class StepperState:
     """All of an accepted state that the next steps depend on.
 
     Attributes
@@ -41,7 +41,7 @@ class Memory:
     time
         In min.
     w, eps_g
-        The state of the shell, as in `Snapshot`.
+        The state of the shell, as in `ShellState`.
     rate, stiffest
         Growth rate, and the direction in which growth is stiffest, where they are known.
     recent_times, recent
@@ -58,7 +58,7 @@ class Memory:
 
 
 @dataclass(frozen=True)
-class Step:
+class StepResult:
     """What a successful step took and how good it is.
 
     Attributes
@@ -74,7 +74,7 @@ class Step:
     error: Array | None
 
 
-class Evolution:
+class TimeStepper:
     """A shell followed in time.
 
     Parameters
@@ -88,7 +88,7 @@ class Evolution:
 
     Attributes
     ----------
-    state
+    accepted
         The accepted state. Whatever fails, the shell is brought back to it.
     """
 
@@ -96,7 +96,7 @@ class Evolution:
         self,
         shell: Shell,
         equilibrium: Equilibrium,
-        tableau: Tableau,
+        tableau: ButcherTableau,
         pressure: Callable[[float], float],
     ) -> None:
         self.shell, self._equilibrium = shell, equilibrium
@@ -107,7 +107,7 @@ class Evolution:
         self._last_rate: Array | None = None  # in the trial
         self._explicit = not tableau.A.diagonal().any()
         self._stiffest: Array | None = None  # direction at each point in which growth is stiffest
-        self._unloaded = self.state = self._capture(0.0)
+        self._unloaded = self.accepted = self._capture(0.0)
 
     def load(self) -> int:
         """Equilibrium under the pressure at time 0 from the trial state; the Newton iterations.
@@ -120,17 +120,17 @@ class Evolution:
         self.shell.pressure.value = self.pressure(0.0)
         iterations = self._equilibrium.solve()
         self.accept(0.0)
-        self._recent.append((0.0, self.state.wall.w))
+        self._recent.append((0.0, self.accepted.wall.w))
         return iterations
 
     def unload(self) -> None:
         """Bring the shell back to where it began."""
-        self.state = self._unloaded
+        self.accepted = self._unloaded
         self._recent.clear()
-        self.shell.restore(self.state.wall)
+        self.shell.restore(self.accepted.wall)
         self.shell.pressure.value = 0.0
 
-    def step(self, end: float) -> Step:
+    def step(self, end: float) -> StepResult:
         """Go from the accepted state to a later time in one step, and accept it.
 
         Raises
@@ -142,7 +142,7 @@ class Evolution:
         self.accept(end)
         return trial
 
-    def attempt(self, end: float) -> Step:
+    def attempt(self, end: float) -> StepResult:
         """Go to a later time on a trial copy of the state; then `accept` or `reject` it.
 
         Raises
@@ -157,8 +157,8 @@ class Evolution:
             self.reject()
             raise
 
-    def attempt_volume(
-        self, control: VolumeControl, volume: float, dt: float, slope: float = 0.0
+    def attempt_volume_step(
+        self, control: BorderedNewton, volume: float, dt: float, slope: float = 0.0
     ) -> tuple[int, float]:
         """Go to a larger volume, in whatever time that takes, on a trial copy of the state.
 
@@ -186,12 +186,12 @@ class Evolution:
         EquilibriumError
             If a stage has no solution; the trial is then rejected already.
         """
-        growth, accepted = self.shell.growth, self.state.wall.eps_g
+        growth, accepted = self.shell.growth, self.accepted.wall.eps_g
         if growth is None or accepted is None:
             raise ValueError("an elastic wall does not change in time")
         self._before = list(self._recent)
-        growth.during(self.state.time, self.state.time)  # no milestone is passed
-        start, pressure = self.shell.volume(), self.pressure(self.state.time)
+        growth.set_interval(self.accepted.time, self.accepted.time)  # no milestone is passed
+        start, pressure = self.shell.volume(), self.pressure(self.accepted.time)
         A, c = LIMIT_POINT.A, LIMIT_POINT.c
         durations: list[float] = []
         changes: list[Array] = []  # of the growth strains, as over the whole step
@@ -218,15 +218,15 @@ class Evolution:
 
     def accept(self, time: float) -> None:
         """Make the trial the accepted state."""
-        self.state = self._capture(time)
+        self.accepted = self._capture(time)
         self._rate, self._last_rate = self._last_rate, None
 
     @property
-    def resting(self) -> bool:
+    def at_rest(self) -> bool:
         """Whether nothing grows in the accepted state."""
         growth, grows = self.shell.growth, False
         if growth is not None:
-            growth.during(self.state.time, self.state.time)
+            growth.set_interval(self.accepted.time, self.accepted.time)
             grows = bool(growth.rate().any())
         return not self.shell.comm.allreduce(grows, op=dx.MPI.LOR)
 
@@ -237,38 +237,38 @@ class Evolution:
         self._recent.clear()
         self._recent.extend(self._before)
 
-    def forget(self) -> None:
+    def reset_predictor(self) -> None:
         """Do not extrapolate over what came before: load or growth have a kink here."""
         self._rate = None
         self._recent.clear()
-        self._recent.append((self.state.time, self.state.wall.w))
+        self._recent.append((self.accepted.time, self.accepted.wall.w))
 
-    def memory(self) -> Memory:
+    def state(self) -> StepperState:
         """All that the next steps depend on, right after `accept`; its arrays never change."""
-        wall = self.state.wall
+        wall = self.accepted.wall
         times, recent = zip(*self._recent, strict=True) if self._recent else ((), ())
-        return Memory(
-            self.state.time, wall.w, wall.eps_g, self._rate, self._stiffest, times, recent
+        return StepperState(
+            self.accepted.time, wall.w, wall.eps_g, self._rate, self._stiffest, times, recent
         )
 
-    def restore(self, memory: Memory) -> None:
+    def restore(self, state: StepperState) -> None:
         """Go on from an accepted state of another run."""
-        self.state = State(memory.time, Snapshot(memory.w, memory.eps_g))
-        self._rate, self._last_rate, self._stiffest = memory.rate, None, memory.stiffest
+        self.accepted = AcceptedState(state.time, ShellState(state.w, state.eps_g))
+        self._rate, self._last_rate, self._stiffest = state.rate, None, state.stiffest
         self._recent.clear()
-        self._recent.extend(zip(memory.recent_times, memory.recent, strict=True))
+        self._recent.extend(zip(state.recent_times, state.recent, strict=True))
         self._restore()
 
-    def _stages(self, end: float) -> Step:
-        growth, start = self.shell.growth, self.state.time
-        if growth is None or self.state.wall.eps_g is None:
-            return Step(self._solve(end), None)
-        growth.during(start, end)
+    def _stages(self, end: float) -> StepResult:
+        growth, start = self.shell.growth, self.accepted.time
+        if growth is None or self.accepted.wall.eps_g is None:
+            return StepResult(self._solve(end), None)
+        growth.set_interval(start, end)
         dt, A, c = end - start, self._tableau.A, self._tableau.c
         rates: list[Array] = []
         iterations = 0
         for i in range(len(c)):
-            base = self.state.wall.eps_g + dt * sum(
+            base = self.accepted.wall.eps_g + dt * sum(
                 a * k for a, k in zip(A[i], rates, strict=False)
             )
             if i > 0 or A[i, i] > 0:
@@ -286,7 +286,7 @@ class Evolution:
         error = dt * sum(b * k for b, k in zip(weights, rates, strict=True))
         growth.stage.value = 0.0
         self._last_rate = rates[-1]
-        return Step(iterations, error)
+        return StepResult(iterations, error)
 
     @property
     def longest_step(self) -> float:
@@ -299,7 +299,7 @@ class Evolution:
         growth = self.shell.growth
         if growth is None or not self._explicit:
             return np.inf
-        growth.during(self.state.time, self.state.time)
+        growth.set_interval(self.accepted.time, self.accepted.time)
         accepted, rate = growth.get(), growth.rate()
         pairs = (*accepted.shape[:-1], -1, 2)
         v = rate if self._stiffest is None else self._stiffest
@@ -315,7 +315,7 @@ class Evolution:
         largest = self.shell.comm.allreduce(float(size.max(initial=0.0)), op=dx.MPI.MAX)
         return _STABLE / largest if largest > 0 else np.inf
 
-    def volume_error(self, step: Step) -> float:
+    def volume_error(self, step: StepResult) -> float:
         """Estimated error in µm³ of the volume of the trial that an attempt has just made."""
         exact = step.error is None or not step.error.any()
         if self.shell.comm.allreduce(exact, op=dx.MPI.LAND) or step.error is None:
@@ -331,7 +331,7 @@ class Evolution:
             iterations = self._equilibrium.solve()
         except EquilibriumError as error:
             spent = error.iterations
-            self.shell.w.x.array[:] = self.state.wall.w
+            self.shell.w.x.array[:] = self.accepted.wall.w
             try:
                 iterations = self._equilibrium.solve()
             except EquilibriumError as again:
@@ -344,21 +344,21 @@ class Evolution:
     def _extrapolated(self, time: float) -> Array:
         """Value at a time of the polynomial through the last solutions."""
         times = [t for t, _ in self._recent]
-        start = np.zeros_like(self.state.wall.w)
+        start = np.zeros_like(self.accepted.wall.w)
         for i, (t, w) in enumerate(self._recent):
             weight = 1.0
             for s in (*times[:i], *times[i + 1 :]):
                 weight *= (time - s) / (t - s)
             start += weight * w
         held = self.shell.constrained  # where the weights' round-off would add up
-        start[held] = self.state.wall.w[held]
+        start[held] = self.accepted.wall.w[held]
         return start
 
-    def _capture(self, time: float) -> State:
-        return State(time, self.shell.snapshot())
+    def _capture(self, time: float) -> AcceptedState:
+        return AcceptedState(time, self.shell.state())
 
     def _restore(self) -> None:
-        self.shell.restore(self.state.wall)
-        self.shell.pressure.value = self.pressure(self.state.time)
+        self.shell.restore(self.accepted.wall)
+        self.shell.pressure.value = self.pressure(self.accepted.time)
         if self.shell.growth is not None:
             self.shell.growth.stage.value = 0.0

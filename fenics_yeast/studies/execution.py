@@ -155,7 +155,7 @@ class _UntilStopped:
     def saved(self, profile: object) -> None:
         return
 
-    def taken_up(self, row: object, rows: int) -> None:
+    def resumed(self, row: object, rows: int) -> None:
         return
 
     def note(self, line: str) -> None:

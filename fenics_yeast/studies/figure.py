@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..figures import COLOURS, Curve, figure_of, pressures, volumes
-from ..output import load_history, load_scene
+from ..output import read_history, read_scene
 from .cases import unit_symbol, value_label
 from .table import CaseRow, read_table
 
@@ -38,7 +38,7 @@ def draw(directory: Path, suffix: str = ".png") -> list[Path]:
     if not rows or len(keys) > 2:
         return []
     path = (directory / FIGURE).with_suffix(suffix)
-    scene = load_scene(directory / rows[0].case)
+    scene = read_scene(directory / rows[0].case)
     labels = [_label(key, unit_symbol(scene, key)) for key in keys]
     if len(keys) == 2:
         _draw_map(path, labels, rows, scene.title)
@@ -47,7 +47,7 @@ def draw(directory: Path, suffix: str = ".png") -> list[Path]:
         _draw_line(path, labels[0], rows, scene.title)
         return [path]
     curves = [
-        Curve(value_label(row.values[0]), load_history(directory / row.case), row.status)
+        Curve(value_label(row.values[0]), read_history(directory / row.case), row.status)
         for row in rows
     ]
     together = volumes if scene.run is not None else pressures

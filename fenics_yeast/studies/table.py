@@ -9,7 +9,7 @@ from io import StringIO
 from pathlib import Path
 from typing import get_args
 
-from ..output import OutputError, load_ending, load_history, load_scene, replace_file, writing
+from ..output import OutputError, read_ending, read_history, read_scene, replace_file, writing
 from ..scene import SceneError
 from ..simulation import Status
 from .cases import Case
@@ -63,12 +63,12 @@ def row_of(directory: Path, case: Case) -> CaseRow | None:
         If a file of the folder is damaged.
     """
     folder = directory / case.name
-    if not folder.exists() or load_scene(folder) != case.scene:
+    if not folder.exists() or read_scene(folder) != case.scene:
         return None
-    ending = load_ending(folder)
+    ending = read_ending(folder)
     if ending is None:
         return None
-    history = load_history(folder)
+    history = read_history(folder)
     last = history.rows[-1] if len(history) else None
     wanted = case.scene.run.save if case.scene.run else ()
     reached = [time for time in wanted if last and time <= last.time_min]
@@ -97,8 +97,8 @@ def was_cut_short(directory: Path, case: Case) -> bool:
     """Whether the case's folder holds a run of this very scene that has come to no end."""
     folder = directory / case.name
     try:
-        ending = load_ending(folder)
-        return load_scene(folder) == case.scene and (
+        ending = read_ending(folder)
+        return read_scene(folder) == case.scene and (
             ending is None or ending.status not in _ANSWERS
         )
     except (OutputError, SceneError):

@@ -8,7 +8,7 @@ from fenics_yeast.simulation import build_shell
 from fenics_yeast.simulation.discretise import discretise
 from fenics_yeast.solve.equilibrium import Equilibrium
 from fenics_yeast.solve.runge_kutta import TABLEAUX
-from fenics_yeast.solve.time_stepper import Evolution
+from fenics_yeast.solve.time_stepper import TimeStepper
 
 BUDS = {
     "bud": {"run.save": (40.0, 70.0, 80.0, 90.0)},
@@ -95,17 +95,17 @@ def test_step_rejected_for_its_error_leaves_no_trace(cell_scene, name):
     for rejected in (True, False):
         shell = build_shell(scene)
         with Equilibrium(shell, 1e-9) as equilibrium:
-            evolution = Evolution(shell, equilibrium, TABLEAUX[name], lambda time: 0.20265)
+            evolution = TimeStepper(shell, equilibrium, TABLEAUX[name], lambda time: 0.20265)
             evolution.load()
             evolution.step(0.5)
-            before, state = shell.snapshot(), evolution.state
+            before, state = shell.state(), evolution.accepted
             if rejected:
                 evolution.attempt(4.0)
                 assert not np.array_equal(shell.w.x.array, before.w)
                 evolution.reject()
             assert np.array_equal(shell.w.x.array, before.w)
             assert np.array_equal(shell.growth.get(), before.eps_g)
-            assert evolution.state is state
+            assert evolution.accepted is state
             evolution.step(1.0)
             volumes.append(shell.volume())
     assert volumes[0] == pytest.approx(volumes[1], rel=1e-10)

@@ -15,7 +15,7 @@ from support.scenes import SMALL
 from typer.testing import Result
 
 from fenics_yeast import Scene, _form_cache
-from fenics_yeast.output.reading import load_history, load_profiles, load_status
+from fenics_yeast.output.reading import read_history, read_profiles, read_status
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -28,10 +28,10 @@ def test_run_leaves_its_folder_and_says_so(here: Path) -> None:
     assert (result.exit_code, result.stderr) == (0, "")
     folder = here / "out" / "small"
     assert tree(folder) == TWO_SAVED
-    history = load_history(folder)
+    history = read_history(folder)
     expected = [f"{t} min: V/V0 = {history.at(t).volume_ratio:.6f}" for t in (10, 20)]
     assert result.stdout.splitlines() == [*expected, "finished, see out/small"]
-    assert [profile.time for profile in load_profiles(folder)] == [10, 20]
+    assert [profile.time for profile in read_profiles(folder)] == [10, 20]
     for name in ("shapes", "volume"):
         assert (folder / "figures" / f"{name}.png").read_bytes().startswith(PNG)
     summary = json.loads((folder / "run.json").read_text())
@@ -52,16 +52,16 @@ def test_out_and_set_and_quiet(here: Path) -> None:
     as_run = Scene.load(here / "a b" / "c" / "scene.toml")
     assert as_run.turgor.pressure == 0.101325
     assert as_run.run is not None and as_run.run.save == (5,)
-    assert load_history(here / "a b" / "c").pressure_MPa[-1] == 0.101325
+    assert read_history(here / "a b" / "c").pressure_MPa[-1] == 0.101325
 
 
 def test_a_run_can_be_repeated_from_its_own_scene(here: Path) -> None:
     arguments = ("--quiet", "--set", "run.end=4", "--set", "run.save=[4]")
     assert call("run", "small.toml", *arguments).exit_code == 0
     folder = here / "out" / "small"
-    first = load_history(folder)
+    first = read_history(folder)
     assert call("run", str(folder / "scene.toml"), "--out", str(folder)).exit_code == 0
-    np.testing.assert_array_equal(load_history(folder).volume_ratio, first.volume_ratio)
+    np.testing.assert_array_equal(read_history(folder).volume_ratio, first.volume_ratio)
 
 
 def test_a_static_scene_gives_one_row_and_one_shape(here: Path) -> None:
@@ -71,7 +71,7 @@ def test_a_static_scene_gives_one_row_and_one_shape(here: Path) -> None:
     assert result.exit_code == 0
     folder = here / "out" / "static"
     assert tree(folder) == FILES - {"figures/volume.png"}
-    assert len(load_history(folder)) == len(load_profiles(folder)) == 1
+    assert len(read_history(folder)) == len(read_profiles(folder)) == 1
 
 
 def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
@@ -93,7 +93,7 @@ def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
     text = shown.decode()
     assert " of 20 min" in text and "left" in text
     table = text[text.index("bud radius (µm)") :]
-    history = load_history(here / "out" / "small")
+    history = read_history(here / "out" / "small")
     for t in (10, 20):
         assert f"{history.at(t).volume_ratio:.6f}" in table
     assert table.rstrip().endswith("finished, see out/small")
@@ -126,7 +126,7 @@ def test_a_service_has_no_home_in_its_environment(
     command = [*COMMAND, "run", "small.toml", "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert load_status(here / "out" / "small") == "finished"
+    assert read_status(here / "out" / "small") == "finished"
 
 
 def test_an_unknown_user_without_a_home_runs_and_leaves_nothing(

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from support.command import COMMAND, FILES, TWO_SAVED, call, hear, lines, tree, wait_for
 
-from fenics_yeast.output.reading import load_history, load_profiles, load_status
+from fenics_yeast.output.reading import read_history, read_profiles, read_status
 from fenics_yeast.simulation import simulation
 from fenics_yeast.simulation.result import History, Profiles, Timings
 from fenics_yeast.simulation.result import Result as RunResult
@@ -34,8 +34,8 @@ def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
     assert result.stdout.splitlines()[-1] == "no-equilibrium, see out/small"
     folder = here / "out" / "small"
     assert tree(folder) == TWO_SAVED
-    assert load_status(folder) == "no-equilibrium"
-    history, profiles = load_history(folder), load_profiles(folder)
+    assert read_status(folder) == "no-equilibrium"
+    history, profiles = read_history(folder), read_profiles(folder)
     assert [profile.time for profile in profiles] == [40, history.time_min[-1]]
     assert 70 < history.time_min[-1] < 80
 
@@ -53,7 +53,7 @@ def test_other_ends_have_their_exit_status(
     result = call("run", "small.toml", "--quiet")
     assert (result.exit_code, result.stdout) == (code, "")
     assert "the reason" in result.stderr and result.stderr.count("\n") == 1
-    assert load_status(here / "out" / "small") == status
+    assert read_status(here / "out" / "small") == status
 
 
 INTERRUPTS = [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]]
@@ -71,7 +71,7 @@ def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers:
     output, errors = process.communicate(timeout=60)
     assert (process.returncode, output) == (130, "")
     assert errors.startswith("interrupted at ") and errors.count("\n") == 1
-    history, profiles = load_history(folder), load_profiles(folder)
+    history, profiles = read_history(folder), read_profiles(folder)
     summary = json.loads((folder / "run.json").read_text())
     assert summary["status"] == "interrupted"
     assert summary["end_time_min"] == history.time_min[-1] == profiles.all[-1].time
@@ -87,7 +87,7 @@ def test_under_nohup_the_end_of_a_connection_is_no_matter(here: Path) -> None:
     wait_for(lambda: lines(folder) > 10, process)
     process.send_signal(signal.SIGHUP)
     assert (*process.communicate(timeout=60), process.returncode) == (b"", b"", 0)
-    assert load_status(folder) == "finished"
+    assert read_status(folder) == "finished"
 
 
 def test_a_script_ends_with_its_connection() -> None:
@@ -126,7 +126,7 @@ def test_a_disk_that_fills_up_ends_the_run_in_a_line(
     assert done.stderr.endswith(f"; once that is mended, {advice}\n")
     assert done.stderr.count("\n") == 1
     folder = here / "out" / "small"
-    rows = load_history(folder)
+    rows = read_history(folder)
     assert (folder / "history.csv").read_text().count("\n") == len(rows) + 1 > 1
     assert (folder / "history.csv").read_bytes().endswith(b"\n")
     summary = json.loads((folder / "run.json").read_text())
@@ -168,8 +168,8 @@ def test_an_interrupt_of_the_compilation_leaves_what_the_folder_holds(
     folder = here / "out" / "small"
     summary = json.loads((folder / "run.json").read_text())
     assert summary["status"] == "interrupted" and summary["end_time_min"] == 20
-    assert len(load_history(folder)) == summary["steps"] + 1 > 10
-    assert [profile.time for profile in load_profiles(folder)] == [10, 20]
+    assert len(read_history(folder)) == summary["steps"] + 1 > 10
+    assert [profile.time for profile in read_profiles(folder)] == [10, 20]
 
 
 def test_a_reader_that_goes_away_does_not_end_the_run(here: Path) -> None:
@@ -177,7 +177,7 @@ def test_a_reader_that_goes_away_does_not_end_the_run(here: Path) -> None:
     assert process.stdout is not None
     process.stdout.close()
     assert process.wait(60) == 0
-    assert load_status(here / "out" / "small") == "finished"
+    assert read_status(here / "out" / "small") == "finished"
 
 
 FINE = ("--set", "numerics.step=0.04", "--set", "run.save=[1, 10, 20]")
@@ -189,10 +189,10 @@ def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
     wait_for(lambda: lines(folder) > 40, process)
     shutil.rmtree(folder.rename(here / "removed"))  # at once: the run makes it again
     assert process.wait(60) == 0
-    times = load_history(folder).time_min
+    times = read_history(folder).time_min
     assert times[0] == 0 and times[-1] == 20 and len(times) > 400
-    assert [profile.time for profile in load_profiles(folder)] == [1, 10, 20]
-    assert load_status(folder) == "finished"
+    assert [profile.time for profile in read_profiles(folder)] == [1, 10, 20]
+    assert read_status(folder) == "finished"
 
 
 def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
@@ -200,7 +200,7 @@ def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
     assert done.returncode == 4
     assert done.stderr.startswith("error: out/small: cannot be written: ")
     folder = here / "out" / "small"
-    history, profiles = load_history(folder), load_profiles(folder)
+    history, profiles = read_history(folder), read_profiles(folder)
     assert len(history) > 100
     assert [profile.time for profile in profiles] == [1]
     assert np.isfinite(history.volume_ratio).all()
@@ -208,12 +208,12 @@ def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
 
 def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
     code = (
-        "from fenics_yeast.solve.time_stepper import Evolution, EquilibriumError\n"
-        "attempt = Evolution.attempt\n"
+        "from fenics_yeast.solve.time_stepper import TimeStepper, EquilibriumError\n"
+        "attempt = TimeStepper.attempt\n"
         "def gives_up(self, end):\n"
         "    if end > 5: raise EquilibriumError('no luck', 3)\n"
         "    return attempt(self, end)\n"
-        "Evolution.attempt = gives_up\n"
+        "TimeStepper.attempt = gives_up\n"
         "from fenics_yeast.command.main import main; main()"
     )
     command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *FINE]
@@ -222,7 +222,7 @@ def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
     assert done.stderr.startswith("error: no step beyond ") and "no luck" in done.stderr
     assert done.stderr.count("\n") == 1
     folder = here / "out" / "small"
-    assert load_status(folder) == "failed"
-    history, profiles = load_history(folder), load_profiles(folder)
+    assert read_status(folder) == "failed"
+    history, profiles = read_history(folder), read_profiles(folder)
     assert 4.9 < history.time_min[-1] <= 5
     assert [profile.time for profile in profiles] == [1, history.time_min[-1]]

@@ -16,9 +16,9 @@ SIGMA_TRS, T_GRW = 1.0, 45.0
 
 
 @pytest.fixture(scope="module")
-def law(one_cell):
+def law(one_element):
     """Growth rate and dissipation of the package at a point, for σ_trs = 1 MPa, t_grw = 45 min."""
-    tau, eps, eps_g = (dx.fem.Constant(one_cell, np.zeros(2)) for _ in range(3))
+    tau, eps, eps_g = (dx.fem.Constant(one_element, np.zeros(2)) for _ in range(3))
     point = growth.WallPoint(tau, eps, eps_g)
     rate = growth.stress_driven(point, SIGMA_TRS, T_GRW)
     values = ufl.as_vector([rate[0], rate[1], growth.dissipation(point, rate)])
@@ -26,7 +26,7 @@ def law(one_cell):
 
     def evaluate(tau_value, eps_value=(0, 0), eps_g_value=(0, 0)):
         tau.value[:], eps.value[:], eps_g.value[:] = tau_value, eps_value, eps_g_value
-        *rates, dissipation = dx.evaluate(expression, one_cell, CELL)[0]
+        *rates, dissipation = dx.evaluate(expression, one_element, CELL)[0]
         return np.array(rates), dissipation
 
     return evaluate
@@ -65,9 +65,9 @@ def test_growth_so_far_does_not_enter_the_rate(law):
 
 
 @pytest.fixture(scope="module")
-def point(one_cell):
+def point(one_element):
     """Growth state of one point of a wall whose total strain is given."""
-    strain = dx.fem.Constant(one_cell, np.zeros(2))
+    strain = dx.fem.Constant(one_element, np.zeros(2))
 
     def energy(eps):
         return wall.ogden(eps, 40.0, 2.0)
@@ -75,7 +75,7 @@ def point(one_cell):
     def rate(at):
         return growth.stress_driven(at, SIGMA_TRS, T_GRW)
 
-    state = GrowthState(one_cell, CELL, 1, [strain], wall.Material(energy), rate)
+    state = GrowthState(one_element, CELL, 1, [strain], wall.Material(energy), rate)
     return strain, state
 
 
@@ -111,7 +111,7 @@ def test_elastic_wall_holds_no_growth(elastic_scene):
     shell = build_shell(elastic_scene)
     assert shell.growth is None
     assert shell.dissipation_rate() == 0
-    assert len(shell.growing_cells) == 0
+    assert len(shell.growing_elements) == 0
 
 
 def test_only_the_zone_grows(bud_run, fine_scene):

@@ -71,7 +71,7 @@ def potential(shell, w: np.ndarray, eps_g: np.ndarray) -> complex:
     E2b = (r * np.sin(psi) - R * np.sin(Phi)) / R**2
     density = Q * gamma - Q**2 / (2 * KAPPA * MU * H)
     grown = np.zeros((len(L), len(shell.xi), 2))
-    cells = shell.quadrature_S[shell.growing_cells, 0]
+    cells = shell.quadrature_S[shell.growing_elements, 0]
     grown[np.searchsorted(middle, cells - 1e-9)] = eps_g.reshape(len(cells), -1, 2)
     zeta, weights = np.polynomial.legendre.leggauss(len(shell.xi))
     for j in range(len(zeta)):

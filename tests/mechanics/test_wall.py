@@ -11,10 +11,10 @@ EXPONENTS = [2.0, 1.3, 6.0, -2.0, -0.7]
 
 
 @pytest.fixture(scope="module")
-def principal(one_cell):
+def principal(one_element):
     """Energy and principal Kirchhoff stresses of the package at given strains, μ and α."""
-    strain = dx.fem.Constant(one_cell, np.zeros(2))
-    mu, alpha = (dx.fem.Constant(one_cell, np.float64(1)) for _ in range(2))
+    strain = dx.fem.Constant(one_element, np.zeros(2))
+    mu, alpha = (dx.fem.Constant(one_element, np.float64(1)) for _ in range(2))
 
     def energy(eps):
         return wall.ogden(eps, mu, alpha)
@@ -24,7 +24,7 @@ def principal(one_cell):
 
     def evaluate(eps_e, mu_value, alpha_value):
         strain.value[:], mu.value, alpha.value = eps_e, mu_value, alpha_value
-        psi, *tau = dx.evaluate(expression, one_cell, np.array([0], dtype=np.int32))[0]
+        psi, *tau = dx.evaluate(expression, one_element, np.array([0], dtype=np.int32))[0]
         return psi, np.array(tau)
 
     return evaluate

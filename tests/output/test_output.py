@@ -9,7 +9,7 @@ import pytest
 
 from fenics_yeast import Scene
 from fenics_yeast.output.folder import OutputError, OutputFolder
-from fenics_yeast.output.reading import load_history, load_profiles, load_scene, load_status
+from fenics_yeast.output.reading import read_history, read_profiles, read_scene, read_status
 from fenics_yeast.simulation.result import COLUMNS, History, Profile, Profiles, Result, Row, Timings
 
 CONTRACT = (
@@ -96,21 +96,21 @@ def test_what_is_written_is_read_back_to_the_last_digit(tmp_path: Path, scene: S
             folder.saved(profile)
         result = a_result(history=History(rows), profiles=Profiles(tuple(profiles)))
         folder.finish(result, Timings())
-    assert load_scene(tmp_path) == scene
-    assert list(load_history(tmp_path).rows) == rows
-    assert all(map(same, load_profiles(tmp_path), profiles))
-    assert len(load_profiles(tmp_path)) == 2
-    assert load_status(tmp_path) == "no-equilibrium"
+    assert read_scene(tmp_path) == scene
+    assert list(read_history(tmp_path).rows) == rows
+    assert all(map(same, read_profiles(tmp_path), profiles))
+    assert len(read_profiles(tmp_path)) == 2
+    assert read_status(tmp_path) == "no-equilibrium"
 
 
 def test_a_run_that_still_goes_can_be_read(tmp_path: Path, scene: Scene) -> None:
     with OutputFolder(tmp_path, scene) as folder:
-        assert len(load_history(tmp_path)) == len(load_profiles(tmp_path)) == 0
+        assert len(read_history(tmp_path)) == len(read_profiles(tmp_path)) == 0
         folder.accepted(a_row(1.0))
         folder.saved(a_profile(1.0))
-        assert load_history(tmp_path).at(1.0) == a_row(1.0)
-        assert same(load_profiles(tmp_path).at(1.0), a_profile(1.0))
-        assert load_status(tmp_path) is None
+        assert read_history(tmp_path).at(1.0) == a_row(1.0)
+        assert same(read_profiles(tmp_path).at(1.0), a_profile(1.0))
+        assert read_status(tmp_path) is None
 
 
 def test_a_history_cut_anywhere_reads_up_to_the_last_whole_line(
@@ -125,7 +125,7 @@ def test_a_history_cut_anywhere_reads_up_to_the_last_whole_line(
     for length in range(first, len(whole) + 1):
         path.write_bytes(whole[:length])
         expected = (length >= second) + (length == len(whole))
-        assert len(load_history(tmp_path)) == expected
+        assert len(read_history(tmp_path)) == expected
 
 
 def test_damage_is_told_with_its_place(tmp_path: Path, scene: Scene) -> None:
@@ -134,17 +134,17 @@ def test_damage_is_told_with_its_place(tmp_path: Path, scene: Scene) -> None:
     with open(tmp_path / "history.csv", "a") as file:
         file.write("1,2,three\n")
     with pytest.raises(OutputError, match=r"history\.csv: line 3 is damaged"):
-        load_history(tmp_path)
+        read_history(tmp_path)
     (tmp_path / "profiles.npz").write_bytes(b"PK")
     with pytest.raises(OutputError, match=r"profiles\.npz: is damaged"):
-        load_profiles(tmp_path)
+        read_profiles(tmp_path)
     (tmp_path / "run.json").write_text("{")
     with pytest.raises(OutputError, match=r"run\.json: is damaged"):
-        load_status(tmp_path)
+        read_status(tmp_path)
     with pytest.raises(OutputError, match=r"holds no history\.csv"):
-        load_history(tmp_path / "elsewhere")
+        read_history(tmp_path / "elsewhere")
     with pytest.raises(OutputError, match=r"holds no scene\.toml"):
-        load_scene(tmp_path / "elsewhere")
+        read_scene(tmp_path / "elsewhere")
 
 
 def test_a_second_run_replaces_the_first_and_nothing_else(tmp_path: Path, scene: Scene) -> None:
@@ -159,9 +159,9 @@ def test_a_second_run_replaces_the_first_and_nothing_else(tmp_path: Path, scene:
     (tmp_path / "notes.txt").write_text("dear diary")
     other = scene.with_values({"turgor.pressure": 0.1})
     with OutputFolder(tmp_path, other):
-        assert load_scene(tmp_path) == other
-        assert len(load_history(tmp_path)) == len(load_profiles(tmp_path)) == 0
-        assert load_status(tmp_path) is None
+        assert read_scene(tmp_path) == other
+        assert len(read_history(tmp_path)) == len(read_profiles(tmp_path)) == 0
+        assert read_status(tmp_path) is None
     assert {path.name for path in (tmp_path / "figures").iterdir()} == {"mine.png"}
     assert (tmp_path / "notes.txt").read_text() == "dear diary"
 
@@ -196,7 +196,7 @@ def test_no_temporary_file_stays(tmp_path: Path, scene: Scene) -> None:
             folder.saved(a_profile(2.0))
             folder.finish(a_result(profiles=Profiles((broken, a_profile(2.0)))), Timings())
     assert not list(tmp_path.glob("*.part"))
-    assert len(load_profiles(tmp_path)) == 1  # the whole file from before
+    assert len(read_profiles(tmp_path)) == 1  # the whole file from before
 
 
 def test_profiles_of_many_saved_times_are_all_there_at_the_end(
@@ -207,8 +207,8 @@ def test_profiles_of_many_saved_times_are_all_there_at_the_end(
         for profile in profiles:
             folder.saved(profile)
         folder.finish(a_result(profiles=Profiles(profiles)), Timings())
-    assert len(load_profiles(tmp_path)) == 200
-    assert all(map(same, load_profiles(tmp_path), profiles))
+    assert len(read_profiles(tmp_path)) == 200
+    assert all(map(same, read_profiles(tmp_path), profiles))
 
 
 def test_what_an_interrupt_kept_from_the_folder_is_there_at_the_end(
@@ -217,5 +217,5 @@ def test_what_an_interrupt_kept_from_the_folder_is_there_at_the_end(
     with OutputFolder(tmp_path, scene) as folder:
         folder.accepted(a_row(0.0))
         folder.finish(a_result(), Timings())
-    assert list(load_history(tmp_path).rows) == [a_row(0), a_row(1)]
-    assert same(load_profiles(tmp_path).at(1), a_profile(1))
+    assert list(read_history(tmp_path).rows) == [a_row(0), a_row(1)]
+    assert same(read_profiles(tmp_path).at(1), a_profile(1))

@@ -19,16 +19,16 @@ from support.ranks import RANKS
 from typer.testing import Result
 
 from fenics_yeast import Scene, _dolfinx, simulate
-from fenics_yeast.mechanics.ordering import Layout
+from fenics_yeast.mechanics.ordering import Ordering
 from fenics_yeast.output import restart
-from fenics_yeast.output.reading import load_history, load_profiles, load_result, load_status
+from fenics_yeast.output.reading import read_history, read_profiles, read_result, read_status
 from fenics_yeast.simulation import Observers, build_shell
-from fenics_yeast.simulation import checkpointer as keeper
+from fenics_yeast.simulation import checkpointer as checkpointer
 from fenics_yeast.simulation.checkpoint import FORMAT, Checkpoint, CheckpointError, Start
 from fenics_yeast.simulation.result import COLUMNS, Profiles
 from fenics_yeast.simulation.result import Result as RunResult
-from fenics_yeast.simulation.transient import March
-from fenics_yeast.solve.time_stepper import Memory
+from fenics_yeast.simulation.transient import Transient
+from fenics_yeast.solve.time_stepper import StepperState
 
 KILLS = 10
 
@@ -109,20 +109,22 @@ def test_every_step_can_be_taken_up(
     cell_scene: Scene, case: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Steps of all kinds, with failures and an end of another kind still ahead."""
-    monkeypatch.setattr(keeper, "_EVERY", 0.0)
-    monkeypatch.setattr(keeper, "_SHARE", math.inf)
+    monkeypatch.setattr(checkpointer, "_EVERY", 0.0)
+    monkeypatch.setattr(checkpointer, "_SHARE", math.inf)
     scene = cell_scene.with_values({"numerics": {"preset": "default"}, **CHANGES[case]})
     kept: list[Checkpoint] = []
     whole = simulate(scene, keep=kept.append)
     assert len(kept) > 4
     for checkpoint in kept[:: len(kept) // 4]:
         read = Checkpoint.from_bytes(checkpoint.to_bytes())
-        tally = read.tally
+        recorder = read.recorder
         start = Start(
-            read, tuple(whole.history.rows[: tally.rows]), whole.profiles.all[: tally.profiles]
+            read,
+            tuple(whole.history.rows[: recorder.rows]),
+            whole.profiles.all[: recorder.profiles],
         )
         again = simulate(scene, start=start)
-        assert tally.rows < len(whole.history) or checkpoint is kept[-1]
+        assert recorder.rows < len(whole.history) or checkpoint is kept[-1]
         same(again, whole)
 
 
@@ -134,12 +136,12 @@ def test_the_order_of_the_unknowns_is_that_of_their_places(cell_scene: Scene) ->
         assert len({*zip(components, S.round(12), strict=True)}) == len(shell.w.x.array)
         assert set(components) == ({0, 1, 2, 3} if shell.bending else {0, 1})
         shell.w.x.array[:] = 10.0 * components + S
-        layout = Layout(shell)
+        layout = Ordering(shell)
         eps_g = shell.growth.get()
-        memory = Memory(0.0, shell.w.x.array.copy(), eps_g, None, None, (), ())
-        ordered = layout.ordered(memory)
+        state = StepperState(0.0, shell.w.x.array.copy(), eps_g, None, None, (), ())
+        ordered = layout.ordered(state)
         assert np.all(np.diff(ordered.w) > 0)
-        np.testing.assert_array_equal(layout.local(ordered).w, memory.w)
+        np.testing.assert_array_equal(layout.local(ordered).w, state.w)
 
 
 def test_saved_times_that_are_one_share_their_profile(cell_scene: Scene) -> None:
@@ -231,12 +233,12 @@ def test_killed_ten_times_a_run_is_that_of_no_kill(
     options: tuple[str, ...] = ()
     for _ in range(KILLS):
         assert runs.kill("killed", next(moments), *options)
-        reached.append(load_history(here / "killed").time_min[-1])  # which reads
-        assert load_status(here / "killed") is None
+        reached.append(read_history(here / "killed").time_min[-1])  # which reads
+        assert read_status(here / "killed") is None
         options = ("--resume",)
     assert reached[-1] > reached[0] and reached[-1] < END
     runs.finish("killed", "--resume")
-    whole, killed = (load_result(here / name) for name in ("whole", "killed"))
+    whole, killed = (read_result(here / name) for name in ("whole", "killed"))
     same(killed, whole)
     assert (here / "killed" / "history.csv").read_bytes() == (
         here / "whole" / "history.csv"
@@ -248,12 +250,12 @@ def test_a_checkpoint_is_that_of_any_number_of_ranks(here: Path) -> None:
     """Sums are rounded in another order: the digits are those of test_mpi."""
     runs = {ranks: Runs(here, ranks) for ranks in (1, 2)}
     runs[1].finish("whole")
-    whole = load_result(here / "whole")
+    whole = read_result(here / "whole")
     for first, then in ((1, 2), (2, 1)):
         folder = f"{first}-{then}"
         assert runs[first].kill(folder, 60)
         runs[then].finish(folder, "--resume")
-        resumed = load_result(here / folder)
+        resumed = read_result(here / folder)
         for name in COLUMNS:
             ours, theirs = (getattr(r.history, name) for r in (resumed, whole))
             if name != "newton_iterations":
@@ -300,7 +302,7 @@ def test_without_a_checkpoint_a_run_starts_from_the_beginning(here: Path) -> Non
     result = run("--resume")
     assert result.exit_code == 0
     assert result.stdout.startswith("out/small: no checkpoint to go on from; the run starts from")
-    assert load_status(here / "out" / "small") == "finished"
+    assert read_status(here / "out" / "small") == "finished"
 
 
 def test_a_path_starts_from_the_beginning(here: Path) -> None:
@@ -312,19 +314,19 @@ def test_a_path_starts_from_the_beginning(here: Path) -> None:
 
 
 def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
-    earlier = load_result(finished)
+    earlier = read_result(finished)
     result = run("--resume", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
     assert result.exit_code == 0, result.output
     assert "goes on from 20 min" in result.stdout
-    later = load_result(finished)
+    later = read_result(finished)
     assert later.history.rows[: len(earlier.history)] == earlier.history.rows
     assert later.history.time_min[-1] == 24
-    assert [profile.time for profile in load_profiles(finished)] == [1, 10, 20, 24]
+    assert [profile.time for profile in read_profiles(finished)] == [1, 10, 20, 24]
     for name in ("loop_s", "total_s", "import_s"):
         assert getattr(later.timings, name) > getattr(earlier.timings, name)
     # And is the run to the later end, of which 20 min is a saved time.
     run("--quiet", "--out", "anew", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
-    same(later, load_result(finished.parent.parent / "anew"))
+    same(later, read_result(finished.parent.parent / "anew"))
 
 
 @pytest.mark.parametrize(
@@ -388,11 +390,11 @@ def test_a_history_that_was_cut_behind_its_checkpoint_is_refused(finished: Path)
 def test_a_new_run_forgets_the_checkpoint_of_the_old_one(
     finished: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def breaks(self: March):  # type: ignore[no-untyped-def]
+    def breaks(self: Transient):  # type: ignore[no-untyped-def]
         raise KeyboardInterrupt
         yield
 
-    monkeypatch.setattr(March, "go", breaks)
+    monkeypatch.setattr(Transient, "run", breaks)
     assert run("--quiet").exit_code == 130
     assert not (finished / "checkpoint.npz").exists()
 
@@ -414,15 +416,15 @@ def test_an_interrupted_run_goes_on(here: Path) -> None:
             stopped = lambda observers, stop=Stop: Observers([*observers, stop()])  # noqa: E731
             patch.setattr("fenics_yeast.simulation.Observers", stopped)
             assert run("--quiet", *(["--resume"] if at > 3 else [])).exit_code == 130
-        assert load_status(folder) == "interrupted"
-        assert load_result(folder).profiles.all[-1].time == load_history(folder).time_min[-1]
+        assert read_status(folder) == "interrupted"
+        assert read_result(folder).profiles.all[-1].time == read_history(folder).time_min[-1]
     assert run("--quiet", "--resume").exit_code == 0
-    same(load_result(folder), whole)
+    same(read_result(folder), whole)
 
 
 def test_a_folder_that_was_copied_goes_on_elsewhere(finished: Path) -> None:
     shutil.copytree(finished, "copy")
-    past = restart.look_back(Path("copy"), Scene.load("small.toml"))
+    past = restart.find_earlier_run(Path("copy"), Scene.load("small.toml"))
     assert past.ended is not None and past.start is not None
     assert len(past.start.rows) == len(past.ended.history)
 
@@ -432,7 +434,7 @@ def test_a_checkpoint_of_another_mesh_is_refused(
 ) -> None:
     """As another version may make it from the same scene."""
     read = Checkpoint.from_bytes((finished / "checkpoint.npz").read_bytes())
-    memory = replace(read.evolution, w=read.evolution.w[:-3])
-    (finished / "checkpoint.npz").write_bytes(replace(read, evolution=memory).to_bytes())
+    state = replace(read.stepper, w=read.stepper.w[:-3])
+    (finished / "checkpoint.npz").write_bytes(replace(read, stepper=state).to_bytes())
     (finished / "run.json").unlink()
     refused(run("--resume"), "another mesh")

@@ -8,7 +8,7 @@ from fenics_yeast import Scene, simulate
 from fenics_yeast.mechanics import growth_laws as growth
 from fenics_yeast.mechanics.laws import Law
 from fenics_yeast.simulation.result import COLUMNS, Profile, Result, Row
-from fenics_yeast.solve.time_stepper import Evolution
+from fenics_yeast.solve.time_stepper import TimeStepper
 
 LAW = {"sigma_trs": 1.0, "t_grw": 45.0}
 
@@ -75,16 +75,16 @@ def test_an_error_in_the_text_of_a_law_is_its_own(scene: Scene) -> None:
 def test_an_unforeseen_error_in_a_run_keeps_what_it_has(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    attempt = Evolution.attempt
+    attempt = TimeStepper.attempt
 
-    def breaks(self: Evolution, end: float):  # type: ignore[no-untyped-def]
+    def breaks(self: TimeStepper, end: float):  # type: ignore[no-untyped-def]
         if end > 4.5:
             self.shell.w.x.array[:] = np.nan
             raise RuntimeError("the machine broke")
         return attempt(self, end)
 
     caplog.set_level("DEBUG")
-    monkeypatch.setattr(Evolution, "attempt", breaks)
+    monkeypatch.setattr(TimeStepper, "attempt", breaks)
     result = simulate(scene)
     assert result.status == "failed"
     assert "RuntimeError: the machine broke" in result.message
@@ -106,16 +106,16 @@ def test_an_interrupt_keeps_what_it_has(scene: Scene) -> None:
 def test_an_interrupt_within_newtons_method_keeps_the_accepted_state(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stages = Evolution._stages
+    stages = TimeStepper._stages
 
-    def interrupted(self: Evolution, end: float):  # type: ignore[no-untyped-def]
+    def interrupted(self: TimeStepper, end: float):  # type: ignore[no-untyped-def]
         step = stages(self, end)
         if end > 4.5:
             raise KeyboardInterrupt
         return step
 
     whole = simulate(scene)
-    monkeypatch.setattr(Evolution, "_stages", interrupted)
+    monkeypatch.setattr(TimeStepper, "_stages", interrupted)
     result = simulate(scene)
     assert result.status == "interrupted"
     assert_kept(result, 5)

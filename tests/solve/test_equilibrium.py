@@ -134,7 +134,7 @@ def growing(fine_scene):
     """A bud under turgor at the end of an implicit stage of 4 min; a solver with new tangents."""
     shell = build_shell(fine_scene)
     shell.pressure.value = 0.20265
-    with Equilibrium(shell, TOLERANCE, good_reduction=0.0) as equilibrium:
+    with Equilibrium(shell, TOLERANCE, reuse_threshold=0.0) as equilibrium:
         equilibrium.solve()
         shell.growth.set_base(shell.growth.get())
         shell.growth.stage.value = 4.0

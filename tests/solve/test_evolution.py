@@ -12,7 +12,7 @@ from fenics_yeast.scene import Integrator, Run
 from fenics_yeast.simulation import build_shell
 from fenics_yeast.solve.equilibrium import Equilibrium, EquilibriumError
 from fenics_yeast.solve.runge_kutta import TABLEAUX
-from fenics_yeast.solve.time_stepper import Evolution
+from fenics_yeast.solve.time_stepper import TimeStepper
 
 TOLERANCE = 1e-11  # µN
 
@@ -147,20 +147,20 @@ def test_fixed_steps_are_those_asked_for(sphere_scene):
 
 
 @contextmanager
-def started(scene, name: str, pressure) -> Iterator[Evolution]:
+def started(scene, name: str, pressure) -> Iterator[TimeStepper]:
     """Two steps into the growth of a bud."""
     shell = build_shell(scene)
     with Equilibrium(shell, TOLERANCE) as equilibrium:
-        evolution = Evolution(shell, equilibrium, TABLEAUX[name], pressure)
+        evolution = TimeStepper(shell, equilibrium, TABLEAUX[name], pressure)
         evolution.load()
         evolution.step(0.5)
         evolution.step(1.0)
         yield evolution
 
 
-def snapshot(evolution: Evolution) -> list[bytes]:
+def bits(evolution: TimeStepper) -> list[bytes]:
     """All that a step may change and the next step reads."""
-    shell, state = evolution.shell, evolution.state
+    shell, state = evolution.shell, evolution.accepted
     arrays = [shell.w.x.array, shell.growth.get(), state.wall.w, state.wall.eps_g]
     numbers = [shell.pressure.value, shell.growth.stage.value, state.time]
     return [np.array(item).tobytes() for item in (*arrays, *numbers)]
@@ -185,15 +185,15 @@ def interrupt(time: float) -> float:
 def test_failing_step_leaves_no_trace(fine_scene, name, pressure, error):
     """Bit for bit; and what follows is what follows where it was never tried."""
     with started(fine_scene, name, pressure) as evolution:
-        before, state = snapshot(evolution), evolution.state
+        before, state = bits(evolution), evolution.accepted
         with pytest.raises(error):
             evolution.step(2.5)
-        assert snapshot(evolution) == before
-        assert evolution.state is state
+        assert bits(evolution) == before
+        assert evolution.accepted is state
         evolution.step(1.5)
         volume = evolution.shell.volume()
     with started(fine_scene, name, lambda time: 0.20265) as untouched:
-        assert snapshot(untouched) == before
+        assert bits(untouched) == before
         untouched.step(1.5)
         assert volume == pytest.approx(untouched.shell.volume(), rel=1e-11)
 

@@ -10,7 +10,7 @@ from support.command import call
 
 from fenics_yeast import simulate
 from fenics_yeast.output.folder import OutputFolder
-from fenics_yeast.output.reading import load_error_bars
+from fenics_yeast.output.reading import read_error_bars
 from fenics_yeast.scene import StaticPath, Until
 from fenics_yeast.simulation.result import Timings
 from fenics_yeast.studies import error_bars as module
@@ -190,7 +190,7 @@ def test_bars_go_through_the_output_folder(cell_scene, tmp_path):
     written = json.loads((tmp_path / "run.json").read_text())["error_bars"]
     assert list(written) == ["time_min", *PARTS, "total", "message"]
     assert written["mesh"] == written["total"] == [None]
-    read = load_error_bars(tmp_path)
+    read = read_error_bars(tmp_path)
     assert read.time_steps == found.time_steps and np.isnan(read.total[0])
 
 

@@ -14,7 +14,7 @@ import pytest
 from support.command import COMMAND, hear, lines, wait_for
 
 from fenics_yeast import Scene, SceneError, simulate
-from fenics_yeast.output.reading import load_history, load_status
+from fenics_yeast.output.reading import read_history, read_status
 from fenics_yeast.studies.cases import parse_variation, plan, unit_symbol
 
 # Marks of a process that has initialised MPI, which those that it starts must not inherit.
@@ -171,7 +171,7 @@ def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) 
             found = float(row[f"volume_ratio_at_{time_min}_min"])
             assert found == pytest.approx(alone.history.at(time_min).volume_ratio, abs=1e-12)
         np.testing.assert_allclose(
-            load_history(folder).volume_ratio, alone.history.volume_ratio, rtol=1e-12
+            read_history(folder).volume_ratio, alone.history.volume_ratio, rtol=1e-12
         )
         assert (row["status"], float(row["end_time_min"])) == ("finished", 8)
         assert float(row["wall_s"]) > 0
@@ -197,7 +197,7 @@ def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
     folders[60].joinpath("run.json").write_text("{")
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
     assert done.stdout.startswith("2 of 3 cases are finished already\n3/3  growth.time=60")
-    assert load_status(folders[60]) == "finished"
+    assert read_status(folders[60]) == "finished"
 
 
 def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
@@ -267,17 +267,17 @@ def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_
     assert errors.splitlines()[-1] == "interrupted; the same command goes on from here"
     kept = {}
     for folder in (first, second):
-        assert load_status(folder) == "interrupted"
-        kept[folder] = load_history(folder).rows
+        assert read_status(folder) == "interrupted"
+        kept[folder] = read_history(folder).rows
         assert 4 < len(kept[folder]) < 800
     assert not (here / "sweep" / "growth.time=60").exists()
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "2", *LONG)
     assert done.returncode == 0
     assert [row["status"] for row in table(here)] == ["finished"] * 3
     for folder in (first, second):  # gone on with, not begun again
-        assert load_history(folder).rows[: len(kept[folder])] == kept[folder]
-        assert load_history(folder).rows[-1].time_min == 8
-        assert load_history(folder).rows[len(kept[folder])].step_min == pytest.approx(0.01)
+        assert read_history(folder).rows[: len(kept[folder])] == kept[folder]
+        assert read_history(folder).rows[-1].time_min == 8
+        assert read_history(folder).rows[len(kept[folder])].step_min == pytest.approx(0.01)
 
 
 def runs(process: int) -> bool:
