@@ -36,7 +36,7 @@ from hard_runs import (
 )
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.simulation.result import Status
+from fenics_yeast.simulation import Status
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def loss_of_equilibrium() -> list[Case]:
             f"burst, growth time {t:g} min", "t (min)",
             lambda t=t: burst(BUD.with_values({"growth.time": t, **until(200)})),
             "no-equilibrium", LIMIT * t / 45, 0.02 * max(1, t / 45),
-            f"{CPP}, t/t_grw", "so soft",
+            f"{CPP}, t/t_grw", "softened",
         )
         for t in (30.0, 45.0, 60.0)
     ]  # fmt: skip
@@ -106,20 +106,20 @@ def loss_of_equilibrium() -> list[Case]:
         Case(
             f"burst, {name}", "t (min)",
             lambda change=change: burst(BUD.with_values(until(200) | change)),
-            "no-equilibrium", LIMIT, 0.02, CPP, "so soft",
+            "no-equilibrium", LIMIT, 0.02, CPP, "softened",
         )
         for name, change in changes.items()
     ]  # fmt: skip
     everywhere = {"growth.zone.half_angle": 180.0, **until(200)}
     cases.append(
         Case("zone 180°: burst", "t (min)", lambda: burst(BUD.with_values(everywhere)),
-             "no-equilibrium", sphere_burst(), 0.01, "membrane, integral", "so soft")
+             "no-equilibrium", sphere_burst(), 0.01, "membrane, integral", "softened")
     )  # fmt: skip
     cases += [
         Case(
             f"burst, turgor {name}", "t (min)",
             lambda end=end: burst(BUD.with_values({"turgor.pressure": slope(end), **until(200)})),
-            "no-equilibrium", reference, 0.02, f"{CPP}, steps of 0.005 min", "so soft",
+            "no-equilibrium", reference, 0.02, f"{CPP}, steps of 0.005 min", "softened",
         )
         for name, end, reference in (("rising", 1.0, 66.980), ("falling", 0.95 * P, 93.760))
     ]  # fmt: skip
@@ -137,7 +137,7 @@ def loss_of_equilibrium() -> list[Case]:
 
         def named(scene: Scene = scene) -> Found:
             result = simulate(scene)
-            said = result.message.split("limit pressure, ")[-1].split(" MPa")[0]
+            said = result.message.split("limit pressure exceeded (")[-1].split(" MPa")[0]
             return found(result, float(said))
 
         cases.append(

@@ -17,9 +17,8 @@ from fenics_yeast.mechanics import growth_laws
 from fenics_yeast.mechanics import hyperelasticity as wall
 from fenics_yeast.mechanics.laws import Law
 from fenics_yeast.mechanics.shell import Shell
-from fenics_yeast.simulation import build_shell
+from fenics_yeast.simulation import Result, Status, build_shell
 from fenics_yeast.simulation.discretise import Discretisation
-from fenics_yeast.simulation.result import Result, Status
 from fenics_yeast.solve.equilibrium import Equilibrium
 from fenics_yeast.solve.runge_kutta import TABLEAUX
 from fenics_yeast.solve.time_stepper import TimeStepper

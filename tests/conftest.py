@@ -17,7 +17,7 @@ from support.scenes import SMALL
 from fenics_yeast import Scene, simulate
 from fenics_yeast import _dolfinx as dx
 from fenics_yeast.scene import Cell, Growth, Numerics, Run, Turgor, Wall, Zone, parse_assignment
-from fenics_yeast.simulation.result import Result
+from fenics_yeast.simulation import Result
 
 DATA = Path(__file__).parent / "data"
 # The container, which takes all from Debian, is spared the size of VTK; `make test` brings it.

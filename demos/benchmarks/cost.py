@@ -17,7 +17,7 @@ from petsc4py import PETSc
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast import _dolfinx as dx
-from fenics_yeast.simulation.result import Result
+from fenics_yeast.simulation import Result
 
 SCENE = Path(__file__).parent.parent / "scenes" / "bud.toml"
 BUD = Scene.load(SCENE).with_values({"turgor.ramp": 0, "numerics": {"preset": "default"}})

@@ -27,7 +27,7 @@ from solid import Solid
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast._dolfinx import fem
-from fenics_yeast.simulation.result import History
+from fenics_yeast.simulation import History
 
 Array = NDArray[np.float64]
 

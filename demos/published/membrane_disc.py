@@ -11,7 +11,7 @@ import numpy as np
 from benchmark import Row, picture, show
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.simulation.result import Result
+from fenics_yeast.simulation import Result
 
 MU, H, R = 40.0, 0.01, 1.0
 TABLE = {

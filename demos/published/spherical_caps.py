@@ -11,7 +11,7 @@ import numpy as np
 from benchmark import Row, picture, show
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.simulation.result import History
+from fenics_yeast.simulation import History
 
 YOUNG, POISSON, R, T = 1000.0, 0.3, 100.0, 1.0
 SHEAR = np.sqrt(3 * (1 - POISSON**2))

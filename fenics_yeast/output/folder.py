@@ -20,7 +20,7 @@ from ..scene import Scene
 from ..simulation import COLUMNS, ErrorBars, Profile, Profiles, Result, Row, Timings
 
 if TYPE_CHECKING:
-    from ..simulation import Checkpoint, Start
+    from ..simulation import Checkpoint, ResumePoint
 
 SCENE, HISTORY, PROFILES, RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
 CHECKPOINT = "checkpoint.npz"
@@ -105,7 +105,7 @@ class OutputFolder:
         If the folder cannot be written, or holds files under our names that no run has left.
     """
 
-    def __init__(self, path: Path, scene: Scene, start: Start | None = None) -> None:
+    def __init__(self, path: Path, scene: Scene, start: ResumePoint | None = None) -> None:
         self.path = path
         self._scene = scene
         self._rows: list[Row] = [] if start is None else list(start.rows)  # in the file

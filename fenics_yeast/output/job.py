@@ -16,7 +16,7 @@ from .folder import OutputError, OutputFolder, OutputWriteError, writing
 from .interrupts import Interrupts
 
 if TYPE_CHECKING:
-    from ..simulation import Checkpoint, Start
+    from ..simulation import Checkpoint, ResumePoint
     from .restart import EarlierRun
 
 
@@ -113,7 +113,7 @@ class Job:
         self._screen, self._resume, self._began = screen, resume, began
         self._stack = ExitStack()
         self._folder: OutputFolder | None = None
-        self._start: Start | None = None
+        self._start: ResumePoint | None = None
         self._simulated = False
 
     def __enter__(self) -> Self:
@@ -143,7 +143,7 @@ class Job:
         self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
     ) -> None:
         from .._form_cache import CompilerError
-        from ..simulation import CheckpointError, ObserverError
+        from ..simulation import CheckpointError, RootError
 
         with self._stack:
             if isinstance(error, CheckpointError):
@@ -152,7 +152,7 @@ class Job:
             if isinstance(error, OutputWriteError):
                 advice = self._lose(error)
                 raise RunLost(error.problem, advice, everywhere=not self._simulated) from None
-            if isinstance(error, ObserverError):  # on other ranks than 0
+            if isinstance(error, RootError):  # on other ranks than 0
                 raise RunLost(str(error), "rank 0 tells more", everywhere=True) from None
             if isinstance(error, CompilerError):
                 raise DolfinxMissing(str(error)) from None

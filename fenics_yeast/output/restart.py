@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..scene import Run, Scene, SceneError
-from ..simulation import Checkpoint, CheckpointError, Result, Start
+from ..simulation import Checkpoint, CheckpointError, Result, ResumePoint
 from ..solve import same_time
 from .folder import CHECKPOINT, OutputError
 from .reading import read_history, read_profiles, read_result, read_scene, read_status
@@ -28,7 +28,7 @@ class EarlierRun:
         What it found, if there is nothing to be added.
     """
 
-    start: Start | None = None
+    start: ResumePoint | None = None
     ended: Result | None = None
 
 
@@ -87,7 +87,7 @@ def _load(path: Path) -> Checkpoint | None:
         raise OutputError(f"{path}: cannot be read: {error.strerror}; {_ANEW}") from None
 
 
-def _start(directory: Path, checkpoint: Checkpoint) -> Start:
+def _start(directory: Path, checkpoint: Checkpoint) -> ResumePoint:
     """Complete a checkpoint by the rows and profiles that it counts."""
     recorder = checkpoint.recorder
     rows = read_history(directory).rows[: recorder.rows]
@@ -101,10 +101,10 @@ def _start(directory: Path, checkpoint: Checkpoint) -> Start:
         raise OutputError(f"{directory}: has lost {lacking}, which its checkpoint needs; {_ANEW}")
     if read_status(directory) is not None:  # what came after the checkpoint took its time too
         checkpoint = replace(checkpoint, timings=read_result(directory).timings)
-    return Start(checkpoint, tuple(rows), tuple(profiles))
+    return ResumePoint(checkpoint, tuple(rows), tuple(profiles))
 
 
-def _agree(directory: Path, start: Start, run: Run) -> None:
+def _agree(directory: Path, start: ResumePoint, run: Run) -> None:
     """Refuse a span of time that is behind the run, or should have been saved."""
     time = start.checkpoint.stepper.time
     if run.end < time and not same_time(run.end, time):

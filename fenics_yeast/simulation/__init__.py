@@ -8,25 +8,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .discretise import discretise
+from .history import COLUMNS, History, Row
 from .observers import Observers
-from .result import (
-    COLUMNS,
-    ErrorBars,
-    History,
-    Observer,
-    Profile,
-    Profiles,
-    Result,
-    Row,
-    Status,
-    Timings,
-)
+from .profiles import Profile, Profiles
+from .result import ErrorBars, Observer, Result, Status, Timings
 from .separation import pieces
 
 if TYPE_CHECKING:
-    from .checkpoint import Checkpoint, CheckpointError, Start
-    from .recorder import ObserverError
-    from .simulation import Simulation, build_shell, simulate
+    from .build import build_shell
+    from .checkpoint import Checkpoint, CheckpointError, ResumePoint
+    from .ranks import RootError
+    from .simulation import Simulation, simulate
 
 __all__ = [
     "COLUMNS",
@@ -35,14 +27,14 @@ __all__ = [
     "ErrorBars",
     "History",
     "Observer",
-    "ObserverError",
     "Observers",
     "Profile",
     "Profiles",
     "Result",
+    "ResumePoint",
+    "RootError",
     "Row",
     "Simulation",
-    "Start",
     "Status",
     "Timings",
     "build_shell",
@@ -55,10 +47,10 @@ __all__ = [
 _LATE = {
     "Checkpoint": "checkpoint",
     "CheckpointError": "checkpoint",
-    "ObserverError": "recorder",
+    "RootError": "ranks",
     "Simulation": "simulation",
-    "Start": "checkpoint",
-    "build_shell": "simulation",
+    "ResumePoint": "checkpoint",
+    "build_shell": "build",
     "simulate": "simulation",
 }
 

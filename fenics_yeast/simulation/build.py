@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _dolfinx as dx
 from ..geometry import Discretisation, Intervals, Pole
-from ..mechanics import Gaussian, Law, Parameter, Weight, Weights
+from ..mechanics import Gaussian, Law, OwnLaw, Parameter, Shell, Weight, Weights, own_laws
 from ..mechanics import growth_laws as growth
 from ..mechanics import hyperelasticity as wall
-from ..scene import AnyWall, Growth, LinearWall, OgdenWall, Scene, Wall
+from ..scene import AnyWall, Growth, LinearWall, OgdenWall, PressureTable, Scene, Wall
+from .discretise import discretise
 
 Array = NDArray[np.float64]
 
@@ -137,5 +140,69 @@ def by_zone(
             for part in parts:
                 field[part.holds(S)] = value
         return field
+
+    return at
+
+
+zone_law = growth_law
+
+
+def build_shell(
+    scene: Scene,
+    comm: Any = None,
+    *,
+    energy: OwnLaw | None = None,
+    growth_law: OwnLaw | None = None,
+) -> Shell:
+    """Discretised wall of a scene, unloaded, on all ranks of a communicator.
+
+    Parameters
+    ----------
+    scene
+        What to discretise.
+    comm
+        MPI communicator whose ranks share the wall; all ranks of the world if left out.
+    energy, growth_law
+        Laws in place of the scene's own. A growth law needs a scene with a growing zone.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a law gives no UFL expression, or one of a wrong shape, or raises; see `own_laws`.
+    """
+    if scene.growth is None and growth_law is not None:
+        raise ValueError("a growth law needs a scene with a table [growth], for its zone")
+    cut = discretise(scene)
+    own = own_laws.growth_law(growth_law) if growth_law else None
+    shell = Shell(
+        cut,
+        dx.MPI.COMM_WORLD if comm is None else comm,
+        order=scene.numerics.order,
+        thickness_points=scene.numerics.thickness_points,
+        thickness=scene.wall.thickness,
+        shear_modulus=scene.wall.shear_modulus,
+        shear_penalty=scene.numerics.shear_penalty,
+        energy=own_laws.energy_law(energy) if energy else strain_energy(scene.wall),
+        thickness_ratio=thickness_ratio(scene.wall, cut),
+        modulus_ratio=modulus_ratio(scene.wall, cut),
+        growth_law=zone_law(scene, cut, own),
+        per_grown=scene.wall.energy_per == "grown",
+        thinning=thinning(scene.wall),
+        bending=scene.wall.bending,
+    )
+    if shell.force is not None and scene.axial_load is not None:
+        shell.force.value = scene.axial_load.force
+    return shell
+
+
+def turgor(scene: Scene) -> Callable[[float], float]:
+    """Pressure in MPa at a time in min: as the scene has it, times a rise over the ramp."""
+    pressure, ramp = scene.turgor.pressure, 0.0 if scene.run is None else scene.turgor.ramp
+
+    def at(time: float) -> float:
+        rise = min(1.0, time / ramp) if ramp > 0 else 1.0
+        if isinstance(pressure, PressureTable):
+            return rise * float(np.interp(time, pressure.time, pressure.value))
+        return rise * pressure
 
     return at

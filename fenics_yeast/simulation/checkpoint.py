@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solve import ChordState, ControllerState, StabilityState, StepperState
+from .history import Row
+from .profiles import Profile
 from .recorder import RecorderState
-from .result import Profile, Row, Timings
+from .result import Timings
 
 Values = NDArray[Any]
 
@@ -22,7 +24,7 @@ _FORMAT, _DIGEST = "format", "sha256"
 
 
 @dataclass(frozen=True)
-class Start:
+class ResumePoint:
     """Where a run is taken up: its checkpoint, with the rows and profiles that it counts."""
 
     checkpoint: Checkpoint

@@ -9,11 +9,11 @@ from time import perf_counter
 from ..mechanics import Ordering, Shell
 from ..scene import Scene
 from .checkpoint import Checkpoint, CheckpointError
-from .recorder import Recorder
+from .ranks import on_root
 from .result import Timings
 
 _EVERY = 2.0  # seconds between checkpoints
-_SHARE = 0.02  # most of the time that they may take
+_SHARE = 0.02  # largest part of the time that they may take
 
 
 class Checkpointer:
@@ -21,22 +21,20 @@ class Checkpointer:
 
     Parameters
     ----------
-    shell, scene, journal
-        The wall, its scene and the notes of its run.
+    shell, scene
+        The wall and its scene.
     keep
-        Is given the checkpoints, on rank 0 alone.
+        Called with the checkpoints, on rank 0 only.
     """
 
-    def __init__(
-        self, shell: Shell, scene: Scene, recorder: Recorder, keep: Callable[[Checkpoint], None]
-    ) -> None:
-        self._comm, self._layout = shell.comm, Ordering(shell)
-        self._scene, self._recorder, self._keep = scene.to_toml(), recorder, keep
+    def __init__(self, shell: Shell, scene: Scene, keep: Callable[[Checkpoint], None]) -> None:
+        self._comm, self._ordering = shell.comm, Ordering(shell)
+        self._scene, self._keep = scene.to_toml(), keep
         self._kept: Checkpoint | None = None
         self._next = perf_counter() + _EVERY
 
     def offer(self, checkpoint: Checkpoint | None, timings: Timings) -> None:
-        """Hand a checkpoint with the arrays of each rank on, unless the last was just now."""
+        """Hand on a checkpoint with the arrays of each rank, unless one was kept just now."""
         due = perf_counter() >= self._next
         if self._comm.size > 1:
             due = self._comm.bcast(due)
@@ -44,30 +42,36 @@ class Checkpointer:
             self.finish(checkpoint, timings)
 
     def finish(self, checkpoint: Checkpoint | None, timings: Timings) -> None:
-        """Hand a checkpoint on, unless that was done."""
+        """Hand on a checkpoint, unless that was done.
+
+        Raises
+        ------
+        RootError
+            If it could not be kept.
+        """
         if checkpoint is None or checkpoint is self._kept:
             return
         began = perf_counter()
-        ordered = self._layout.ordered(replace(checkpoint, scene=self._scene, timings=timings))
+        ordered = self._ordering.ordered(replace(checkpoint, scene=self._scene, timings=timings))
 
         def keep() -> None:
             if ordered is not None:
                 self._keep(ordered)
 
-        self._recorder.on_root(keep)
+        on_root(self._comm, keep)
         self._kept, now = checkpoint, perf_counter()
         self._next = now + max(_EVERY, (now - began) / _SHARE)
 
 
 def local(checkpoint: Checkpoint, shell: Shell) -> Checkpoint:
-    """The part of this rank of a checkpoint; collective.
+    """Return the part of a checkpoint that belongs to this rank; collective.
 
     Raises
     ------
     CheckpointError
-        If it is that of another wall.
+        If it belongs to another wall.
     """
     try:
         return Ordering(shell).local(checkpoint)
     except ValueError:
-        raise CheckpointError("is that of another mesh, as another version made it") from None
+        raise CheckpointError("belongs to another mesh, made by another version") from None

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..mechanics import Shell
-from .result import Profile
+from .profiles import Profile
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .. import _dolfinx as dx
 from ..geometry import edges
 from ..mechanics import Shell, WallPoint
-from .result import Profile
+from .profiles import Profile
 
 Array = NDArray[np.float64]
 

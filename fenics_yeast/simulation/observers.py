@@ -1,24 +1,81 @@
-"""Several observers of a run as one."""
+"""The observers of a run: where rows and profiles go as they are recorded."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import Any
 
-from .result import Observer, Profile, Row
+from .history import Row
+from .profiles import Profile
+from .ranks import on_root
+from .result import Observer
 
 
 class Observers:
-    """An observer that tells several others, in their order."""
+    """An observer that notifies several others, in their order."""
 
     def __init__(self, observers: Iterable[Observer]) -> None:
         self._observers = tuple(observers)
 
     def accepted(self, row: Row) -> None:
-        """Tell of an accepted state."""
+        """Pass on the row of an accepted state."""
         for observer in self._observers:
             observer.accepted(row)
 
     def saved(self, profile: Profile) -> None:
-        """Tell of the profile of a saved time."""
+        """Pass on the profile of a saved time."""
         for observer in self._observers:
             observer.saved(profile)
+
+
+class RowCallback:
+    """A function called with each row, as an observer."""
+
+    def __init__(self, call: Callable[[Row], None]) -> None:
+        self.accepted = call
+
+    def saved(self, profile: Profile) -> None:
+        """Ignore profiles."""
+
+
+class Publisher:
+    """Passes recorded rows and profiles on to an observer, on rank 0.
+
+    Parameters
+    ----------
+    comm
+        MPI communicator of the run.
+    observer
+        Notified on rank 0; not again after it has raised an error.
+    """
+
+    def __init__(self, comm: Any, observer: Observer) -> None:
+        self._comm, self._observer = comm, observer
+        self._failed = False
+
+    def publish(self, news: deque[Row | Profile | None]) -> None:
+        """Pass on what is new, oldest first; collective.
+
+        Raises
+        ------
+        RootError
+            If the observer raised an error.
+        KeyboardInterrupt
+            If the observer raised that. What is left of the news can be published again.
+        """
+        while news:
+            event = news.popleft()
+            on_root(self._comm, lambda event=event: self._notify(event))  # type: ignore[misc]
+
+    def _notify(self, event: Row | Profile | None) -> None:
+        if self._failed:
+            return
+        try:
+            if isinstance(event, Row):
+                self._observer.accepted(event)
+            elif event is not None:
+                self._observer.saved(event)
+        except Exception:
+            self._failed = True
+            raise

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from .result import Row, Status
+from .history import Row
+from .result import Status
 
 
 class Outcome(NamedTuple):
@@ -15,47 +16,48 @@ class Outcome(NamedTuple):
     message: str
 
 
-def limit_pressure_reached(limit: float, time: float | None = None) -> Outcome:
-    """The wall finds no equilibrium beyond a limit pressure in MPa, at a time in min."""
-    when = "" if time is None else f" from {time:g} min on"
-    side = "inside" if limit > 0 else "outside"
+def limit_pressure_exceeded(limit: float, time: float | None = None) -> Outcome:
+    """Return the end of a run at a limit pressure in MPa, at a time in min."""
+    when = "" if time is None else f" beyond {time:g} min"
+    side = "internal" if limit > 0 else "external"
     return Outcome(
         "no-equilibrium",
-        f"no equilibrium{when}: the wall bears no more than its limit pressure, "
-        f"{abs(limit):.6g} MPa from {side}",
+        f"no equilibrium{when}: limit pressure exceeded ({abs(limit):.6g} MPa, {side})",
     )
 
 
-def limit_force_reached(limit: float) -> Outcome:
-    """The wall finds no equilibrium beyond a limit force in µN."""
-    return Outcome(
-        "no-equilibrium",
-        f"no equilibrium: the wall bears no more than its limit force, {limit:.6g} µN",
-    )
+def limit_force_exceeded(limit: float) -> Outcome:
+    """Return the end of a run at a limit force in µN."""
+    return Outcome("no-equilibrium", f"no equilibrium: limit force exceeded ({limit:.6g} µN)")
 
 
-def softened(row: Row, softens: bool = True) -> Outcome:
-    """The wall has grown to a limit point; `row` is the last state before.
+def growth_limit_reached(row: Row, softens: bool = True) -> Outcome:
+    """Return the end of a wall that has grown to a limit point in time.
 
-    A wall whose energy is per grown volume never softens.
+    Parameters
+    ----------
+    row
+        The last state before.
+    softens
+        Whether growth softens the wall; it does not where the energy is per grown volume.
     """
-    why = "the wall has grown so soft that it can no longer carry the turgor"
+    why = "growth has softened the wall until it can no longer carry the turgor"
     if not softens:
         why = "the cell has grown so large that its wall can no longer carry the turgor"
     if row.pressure_MPa < 0:
-        why = "the wall has shrunk into a shape that gives way to the pressure from outside"
-    where = f"beyond {row.time_min:.5g} min, at V/V0 = {row.volume_ratio:.4f}"
-    return Outcome("no-equilibrium", f"{where}, there is no equilibrium: {why}")
+        why = "the wall has shrunk into a shape that cannot carry the external pressure"
+    where = f"beyond {row.time_min:.5g} min (V/V0 = {row.volume_ratio:.4f})"
+    return Outcome("no-equilibrium", f"no equilibrium {where}: {why}")
 
 
 def stability_note(rows: Sequence[Row]) -> str:
-    """What must be known of the accepted states: that and where they are unstable."""
+    """Return which accepted states are unstable, as the end of a message; empty if none is."""
     first = next((i for i, row in enumerate(rows) if not row.stable), None)
     if first is None:
         return ""
     row, when = rows[first], "" if rows[-1].time_min == 0 else f"{rows[first].time_min:.6g} min, "
     where = f"{when}{row.pressure_MPa:.6g} MPa, V/V0 = {row.volume_ratio:.6g}"
     if any(later.stable for later in rows[first:]):
-        return f"; some states are unstable, the first of them at {where}"
-    since = f"from {where} on, " if len(rows) > 1 else ""
-    return f"; {since}the equilibrium is unstable: a small disturbance leads away from it"
+        return f"; some equilibria are unstable to axisymmetric perturbations, first at {where}"
+    since = f" from {where}" if len(rows) > 1 else ""
+    return f"; the equilibrium is unstable to axisymmetric perturbations{since}"

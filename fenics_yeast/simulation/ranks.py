@@ -1,24 +1,63 @@
-"""Errors on several ranks: met by all of them, or else the end of all of them."""
+"""Errors on several ranks: all ranks raise them, or all of them end."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from time import monotonic, sleep
-from typing import Any, Self
+from typing import Any, Self, TypeVar
+
+T = TypeVar("T")
 
 _PATIENCE = 10.0  # seconds; ranks that meet an error meet it at the same step
 _GAVE_UP, _INTERRUPTED = 4, 130
 
 
+class RootError(RuntimeError):
+    """Rank 0 raised an error, which is this error's cause there; raised on all ranks at once."""
+
+
+def on_root(comm: Any, act: Callable[[], T]) -> T | None:
+    """Act on rank 0; what it raises there is raised on all ranks. Collective.
+
+    Returns
+    -------
+    T or None
+        What the action returned; None on the other ranks.
+
+    Raises
+    ------
+    RootError
+        If it raised an error.
+    KeyboardInterrupt
+        If it raised that.
+    """
+    value: T | None = None
+    problem: BaseException | None = None
+    if comm.rank == 0:
+        try:
+            value = act()
+        except (Exception, KeyboardInterrupt) as error:
+            problem = error
+    name, words = (type(problem).__name__, str(problem)) if problem else ("", "")
+    if comm.size > 1:
+        name, words = comm.bcast((name, words))
+    if name == KeyboardInterrupt.__name__:
+        raise KeyboardInterrupt from problem
+    if name:
+        raise RootError(f"{name}: {words}") from problem
+    return value
+
+
 class OtherRanks:
     """The other ranks that share a wall; a context manager.
 
-    An error on one rank alone would leave the others waiting for it in their next collective
-    call, without end.
+    An error on one rank would leave the others waiting for it in their next collective call,
+    without end.
     """
 
     def __init__(self, comm: Any) -> None:
-        # Of its own: nothing here must meet what the others wait for.
+        # A communicator of its own: nothing here must match what the others wait for.
         self._comm: Any = comm.Dup() if comm.size > 1 else None
 
     def __enter__(self) -> Self:
@@ -30,7 +69,7 @@ class OtherRanks:
             self._comm = None
 
     def wait(self, error: BaseException) -> None:
-        """Wait until all ranks are here, each with its error; if some do not come, end them all."""
+        """Wait until all ranks are here, each with its error; if some are missing, abort all."""
         if self._comm is None:
             return
         everyone, patience = self._comm.Ibarrier(), monotonic() + _PATIENCE
@@ -42,8 +81,8 @@ class OtherRanks:
     def _abort(self, error: BaseException) -> None:
         words = f"{type(error).__name__}: {error}".replace("\n", " ")
         print(
-            f"error: the run broke on rank {self._comm.rank} alone, and ends on all: {words}; "
-            "what it has written stays",
+            f"error: the run failed only on rank {self._comm.rank}, so all ranks end: {words}; "
+            "what it has written is kept",
             file=sys.stderr,
             flush=True,
         )

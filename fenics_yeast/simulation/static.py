@@ -1,8 +1,9 @@
-"""A scene with a path: its points one by one, and what ends them."""
+"""A scene with a table `[path]`: its equilibria one by one, and what ends them."""
 
 from __future__ import annotations
 
 from collections.abc import Generator
+from typing import Self
 
 from ..mechanics import Shell
 from ..scene import PressureTable, Scene, StaticPath
@@ -16,125 +17,133 @@ from ..solve import (
     find_limit_pressure,
     follow_path,
 )
-from .outcome import Outcome, limit_force_reached, limit_pressure_reached
+from .history import Row
+from .outcome import Outcome, limit_force_exceeded, limit_pressure_exceeded
 from .recorder import Recorder
-from .result import Row
+from .scales import force_scale, length_scale, pressure_scale
 
 
-def run_path(
-    scene: Scene,
-    path: StaticPath,
-    shell: Shell,
-    stability: Stability,
-    recorder: Recorder,
-    tolerance: float,
-) -> Generator[Row, None, Outcome]:
-    """Follow the path of a scene from its unloaded wall; yields a row for each point, at time 0.
+class Static:
+    """A run of a scene along its equilibrium path: a context manager.
 
     Parameters
     ----------
     scene, path
         What is run, and its path.
-    shell, stability
-        Its unloaded wall, and the solver that tells which points are stable.
-    journal
-        Takes note of all points.
+    shell
+        Its unloaded wall.
+    recorder
+        Records all points, at time 0.
     tolerance
         Norm of the residual in µN at which it counts as zero.
+
+    Attributes
+    ----------
+    checkpoint
+        None: a path is not resumed.
     """
-    coordinates, target = _plane(scene, path, shell)
-    if (lost := _preload(shell, coordinates, scene, tolerance)) is not None:
-        return lost
-    yield recorder.accept(0.0, 0.0, 0, stability.negative_modes() == 0)
-    try:
-        for iterations in follow_path(
-            shell, coordinates, path.control, target, path.steps, tolerance
-        ):
-            yield recorder.accept(0.0, 0.0, iterations, stability.negative_modes() == 0)
-    except PathError as error:
-        return _ended(path, shell, recorder, tolerance, error)
-    recorder.save()
-    extreme = _extreme(path, recorder.rows)
-    limit = "" if extreme is None else f", past a limit point at {_tell(path, extreme)}"
-    return Outcome("finished", f"reached {_tell(path, recorder.rows[-1])}{limit}")
 
+    checkpoint = None
 
-def _plane(scene: Scene, path: StaticPath, shell: Shell) -> tuple[PathCoordinates, PathTarget]:
-    """The load of a path with the sizes of what it does, and the path's end."""
-    until, h, radius = path.until, scene.wall.thickness, scene.cell.radius
-    if until.of_load:
-        length = (radius * h) ** 0.5
-        unit = 8 * scene.wall.shear_modulus * h**2 / radius * length  # about that of a sphere
-        coordinates = PathCoordinates(shell.force, length, unit)
-        given: tuple[float | None, float | None] = (until.displacement, until.force)
-    else:
-        unit = scene.wall.shear_modulus * h / radius
-        coordinates = PathCoordinates(shell.pressure, shell.reference_volume, unit)
-        given = (until.volume_ratio, until.pressure)
-        if given[0] is not None:
-            return coordinates, PathTarget(0, given[0])
-    if given[0] is not None:
-        return coordinates, PathTarget(0, given[0] / coordinates.amount_unit)
-    return coordinates, PathTarget(1, (given[1] or 0.0) / coordinates.load_unit)
+    def __init__(
+        self, scene: Scene, path: StaticPath, shell: Shell, recorder: Recorder, tolerance: float
+    ) -> None:
+        self._scene, self._path, self._shell = scene, path, shell
+        self._recorder, self._tolerance = recorder, tolerance
+        self._stability = Stability(shell)
 
+    def __enter__(self) -> Self:
+        self._stability.__enter__()
+        return self
 
-def _preload(
-    shell: Shell, coordinates: PathCoordinates, scene: Scene, tolerance: float
-) -> Outcome | None:
-    """Equilibrium under the load that is held while the other one grows from nothing."""
-    if coordinates.load is shell.pressure:
-        held, size = shell.force, 0.0 if scene.axial_load is None else scene.axial_load.force
-    else:
-        assert shell.force is not None and not isinstance(scene.turgor.pressure, PressureTable)
-        held, size = shell.pressure, scene.turgor.pressure
-        shell.force.value = 0.0
-    if held is None or size == 0:
-        return None
-    held.value = size
-    try:
-        with Equilibrium(shell, tolerance) as equilibrium:
-            equilibrium.solve()
-    except EquilibriumError as error:
-        return Outcome("failed", f"no equilibrium under the load that is held: {error}")
-    if held is shell.pressure and shell.force is not None:
-        shell.force.begin()
-    return None
+    def __exit__(self, *error: object) -> None:
+        self._stability.__exit__(*error)
 
-
-def _ended(
-    path: StaticPath, shell: Shell, recorder: Recorder, tolerance: float, error: PathError
-) -> Outcome:
-    """Tell a path that has no further point under its control from one that was lost."""
-    rows = recorder.rows
-    extreme = _extreme(path, rows)
-    if extreme is not None and path.until.pressure is not None:
-        return limit_pressure_reached(extreme.pressure_MPa)
-    if extreme is not None and path.until.force is not None:
-        return limit_force_reached(extreme.force_uN)
-    if path.control == "pressure":
-        ahead = 2 * rows[-1].pressure_MPa - rows[max(0, len(rows) - 2)].pressure_MPa
+    def run(self) -> Generator[Row, None, Outcome]:
+        """Follow the path from the unloaded wall; yield the row of each point."""
+        path, shell = self._path, self._shell
+        coordinates, target = self._coordinates()
+        if (lost := self._preload(coordinates)) is not None:
+            return lost
+        yield self._accept(0)
+        points = follow_path(shell, coordinates, path.control, target, path.steps, self._tolerance)
         try:
-            limit = find_limit_pressure(shell, ahead, tolerance)
-        except PathError:
-            limit = None
-        if limit is not None:
-            recorder.accept(0.0, 0.0, limit.iterations, True)
-            return limit_pressure_reached(limit.pressure)
-    return Outcome("failed", f"the path was lost at {_tell(path, rows[-1])}: {error}")
+            for iterations in points:
+                yield self._accept(iterations)
+        except PathError as error:
+            return self._ended(error)
+        self._recorder.save()
+        extreme, last = self._extreme(), self._recorder.rows[-1]
+        limit = "" if extreme is None else f", past a limit point at {self._describe(extreme)}"
+        return Outcome("finished", f"reached {self._describe(last)}{limit}")
 
+    def _accept(self, iterations: int) -> Row:
+        stable = self._stability.negative_modes() == 0
+        return self._recorder.accept(0.0, 0.0, iterations, stable)
 
-def _load(path: StaticPath, row: Row) -> float:
-    return row.force_uN if path.until.of_load else row.pressure_MPa
+    def _coordinates(self) -> tuple[PathCoordinates, PathTarget]:
+        """Load and conjugate amount of the path with their scales, and where the path ends."""
+        until, scene, shell = self._path.until, self._scene, self._shell
+        if until.of_load:
+            of_force = PathCoordinates(shell.force, length_scale(scene), force_scale(scene))
+            if until.displacement is not None:
+                return of_force, PathTarget(0, until.displacement / of_force.amount_unit)
+            return of_force, PathTarget(1, (until.force or 0.0) / of_force.load_unit)
+        volume_0, unit = shell.reference_volume, pressure_scale(scene)
+        of_pressure = PathCoordinates(shell.pressure, volume_0, unit)
+        if until.volume_ratio is not None:
+            return of_pressure, PathTarget(0, until.volume_ratio)
+        return of_pressure, PathTarget(1, (until.pressure or 0.0) / of_pressure.load_unit)
 
+    def _preload(self, coordinates: PathCoordinates) -> Outcome | None:
+        """Find the equilibrium under the load that is held while the other one grows from zero."""
+        shell, scene = self._shell, self._scene
+        if coordinates.load is shell.pressure:
+            held, size = shell.force, 0.0 if scene.axial_load is None else scene.axial_load.force
+        else:
+            assert shell.force is not None and not isinstance(scene.turgor.pressure, PressureTable)
+            held, size = shell.pressure, scene.turgor.pressure
+            shell.force.value = 0.0
+        if held is None or size == 0:
+            return None
+        held.value = size
+        try:
+            with Equilibrium(shell, self._tolerance) as equilibrium:
+                equilibrium.solve()
+        except EquilibriumError as error:
+            return Outcome("failed", f"no equilibrium found under the held load: {error}")
+        if held is shell.pressure and shell.force is not None:
+            shell.force.begin()
+        return None
 
-def _tell(path: StaticPath, row: Row) -> str:
-    """A point of the path in words."""
-    if path.until.of_load:
-        return f"{row.force_uN:.6g} µN at {row.displacement_um:.6g} µm"
-    return f"{row.pressure_MPa:.6g} MPa at V/V0 = {row.volume_ratio:.6g}"
+    # --- ends -----------------------------------------------------------------------------
 
+    def _ended(self, error: PathError) -> Outcome:
+        """Tell a path without a further point under its control from one that was lost."""
+        path, rows, extreme = self._path, self._recorder.rows, self._extreme()
+        if extreme is not None and path.until.pressure is not None:
+            return limit_pressure_exceeded(extreme.pressure_MPa)
+        if extreme is not None and path.until.force is not None:
+            return limit_force_exceeded(extreme.force_uN)
+        if path.control == "pressure":
+            ahead = 2 * rows[-1].pressure_MPa - rows[max(0, len(rows) - 2)].pressure_MPa
+            try:
+                limit = find_limit_pressure(self._shell, ahead, self._tolerance)
+            except PathError:
+                limit = None
+            if limit is not None:
+                self._recorder.accept(0.0, 0.0, limit.iterations, True)
+                return limit_pressure_exceeded(limit.pressure)
+        return Outcome("failed", f"the path was lost at {self._describe(rows[-1])}: {error}")
 
-def _extreme(path: StaticPath, rows: list[Row]) -> Row | None:
-    """Point of the largest load, of either sign, if the path came back from it."""
-    extreme = max(rows, key=lambda row: abs(_load(path, row)))
-    return None if extreme is rows[-1] else extreme
+    def _extreme(self) -> Row | None:
+        """Point of the largest load, of either sign, if the path came back from it."""
+        rows = self._recorder.rows
+        of_load = self._path.until.of_load
+        extreme = max(rows, key=lambda row: abs(row.force_uN if of_load else row.pressure_MPa))
+        return None if extreme is rows[-1] else extreme
+
+    def _describe(self, row: Row) -> str:
+        if self._path.until.of_load:
+            return f"{row.force_uN:.6g} µN at {row.displacement_um:.6g} µm"
+        return f"{row.pressure_MPa:.6g} MPa at V/V0 = {row.volume_ratio:.6g}"

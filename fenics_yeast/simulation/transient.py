@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Generator, Sequence
+from contextlib import ExitStack
+from typing import Self
 
 from ..mechanics import Shell
 from ..scene import PressureTable, Scene
 from ..solve import (
+    TABLEAUX,
     ApproachEnd,
-    ButcherTableau,
     Equilibrium,
     EquilibriumError,
     PathError,
@@ -21,142 +23,134 @@ from ..solve import (
     find_limit_pressure,
     same_time,
 )
+from .build import turgor
 from .checkpoint import Checkpoint
-from .outcome import Outcome, limit_pressure_reached, softened
+from .history import Row
+from .outcome import Outcome, growth_limit_reached, limit_pressure_exceeded
 from .recorder import Recorder
-from .result import Row, Timings
+from .result import Timings
 
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
-_FIRST_STEP = 1e-3  # of the characteristic time of growth, where steps are adaptive
-_SLOW = 0.02  # rate V'/V0 of growth, times its characteristic time, below which it counts as slow
-_FAST = 0.25  # rate V'/V above which it counts as fast, and errors are held to the volume itself
-_STILL = 1e-7  # change of the volume in a step after which it is asked whether anything grows
+_FIRST_STEP = 1e-3  # of the characteristic growth time, where steps are adaptive
+_SLOW = 0.02  # V'/V0 times the characteristic growth time, below which growth counts as slow
+_FAST = 0.25  # the same with V'/V, above which errors are compared with the volume itself
+_UNCHANGED = 1e-7  # relative change of the volume in a step after which the wall may be at rest
 
 
 class Transient:
-    """A run of a scene in time, or to a single equilibrium.
+    """A run of a scene in time, or to a single equilibrium: a context manager.
 
     Parameters
     ----------
-    scene, shell, equilibrium, stability
-        What is run, its unloaded wall and the solvers.
-    evolution, tableau
-        The wall in time and the method of its steps.
-    journal
-        Takes note of all steps.
+    scene, shell
+        What is run, and its unloaded wall.
+    recorder
+        Records all steps.
     tolerance
         Norm of the residual in µN at which it counts as zero.
 
     Attributes
     ----------
     checkpoint
-        All that determines how the run goes on from the last step, with the arrays of this rank
-        in its own order and without timings; None before the first.
+        All that determines how the run continues from the last step, with the arrays of this
+        rank in its own order and without timings; None before the first.
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        shell: Shell,
-        equilibrium: Equilibrium,
-        stability: Stability,
-        stepper: TimeStepper,
-        tableau: ButcherTableau,
-        recorder: Recorder,
-        tolerance: float,
-    ) -> None:
+    def __init__(self, scene: Scene, shell: Shell, recorder: Recorder, tolerance: float) -> None:
         self._scene, self._shell = scene, shell
-        self._equilibrium, self._stability = equilibrium, stability
-        self._stepper, self._tableau = stepper, tableau
         self._recorder, self._tolerance = recorder, tolerance
+        self._resources = ExitStack()
+        self._equilibrium = self._resources.enter_context(Equilibrium(shell, tolerance))
+        self._stability = self._resources.enter_context(Stability(shell))
+        self._tableau = TABLEAUX[scene.numerics.integrator]
+        self._stepper = TimeStepper(shell, self._equilibrium, self._tableau, turgor(scene))
         self._stable = True
-        self._cut = False
+        self._reduced = False
         self._switches = sorted(time for zone in scene.growing for time in zone.span)
-        self._kinks = self._bends()
-        self._steps = self._time_steps()
+        self._kinks = self._find_kinks()
+        self._controller = self._step_controller()
         self.checkpoint: Checkpoint | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._resources.close()
 
     @property
     def _time(self) -> float:
         return self._stepper.accepted.time
 
     def restore(self, checkpoint: Checkpoint) -> None:
-        """Go on from a checkpoint, whose arrays are those of this rank."""
+        """Continue from a checkpoint, whose arrays are those of this rank."""
         self._equilibrium.restore(checkpoint.chord)
         self._stepper.restore(checkpoint.stepper)
-        self._steps.restore(checkpoint.controller)
-        self._stability.last = checkpoint.stability
-        self._cut = checkpoint.step_reduced
+        self._controller.restore(checkpoint.controller)
+        self._stability.restore(checkpoint.stability)
+        self._reduced = checkpoint.step_reduced
         self.checkpoint = checkpoint
 
     def run(self) -> Generator[Row, None, Outcome]:
-        """Run to the end, or to what ends the run; yields the row of each accepted state."""
-        run, recorder, steps = self._scene.run, self._recorder, self._steps
+        """Run to the end, or to what ends the run; yield the row of each accepted state."""
+        recorder, controller = self._recorder, self._controller
         if self.checkpoint is None:
             if (lost := self._load()) is not None:
                 return lost
             self._settle(0.0)
             yield recorder.rows[-1]
-        if run is None:
+        if self._scene.run is None:
             return Outcome("finished", "equilibrium found")
-        while (end := self._propose(steps)) is not None:
+        while (end := self._propose()) is not None:
             try:
                 step = self._stepper.attempt(end)
             except EquilibriumError as error:
-                recorder.reject(error.iterations)
-                steps.failed()
-                if steps.failures >= self._patience or steps.exhausted:
-                    lost = yield from self._limit(end)
-                    if lost is not None:
-                        return lost
-                    if steps.exhausted:
-                        return self._failed(error)
-                continue
-            if self._past_limit():
+                problem: EquilibriumError | None = error
+                iterations = error.iterations
+            else:
+                if not self._past_limit():
+                    if row := self._accept_or_reject(step, end):
+                        yield row
+                    continue
                 self._stepper.reject()
-                recorder.reject(step.iterations)
-                steps.failed()
-                lost = yield from self._limit(end)
+                problem, iterations = None, step.iterations
+            recorder.reject(iterations)
+            controller.failed()
+            if problem is None or controller.failures >= self._patience or controller.exhausted:
+                lost = yield from self._find_limit(end)
                 if lost is not None:
                     return lost
-                if steps.exhausted:
-                    return self._failed(EquilibriumError("only states past a limit point", 0))
-                continue
-            if not self._good(steps, step, end):
-                self._stepper.reject()
-                recorder.reject(step.iterations)
-                continue
-            start = self._time
-            self._stepper.accept(end)
-            if _among(end, self._kinks):
-                self._stepper.reset_predictor()
-            if _among(end, self._switches):
-                steps.reset()
-            row = recorder.accept(end, end - start, step.iterations, self._stable)
-            self._settle(end)
-            yield row
-        grown = recorder.rows[-1].max_growth_strain
-        message = f"reached {run.end:g} min"
-        if self._growing and grown == 0:
-            message += "; nothing grew: the stress stays below the threshold"
-        if self._cut:
-            message += f"; steps were cut, for {self._tableau.name} is not stable in longer ones"
-        elif steps.reductions and self._scene.numerics.step is not None:
-            message += f"; fixed steps that found no equilibrium were cut: {steps.reductions}"
-        return Outcome("finished", message)
+                if controller.exhausted:
+                    return self._failed(problem or "only states past a limit point were found")
+        return self._finished(self._scene.run.end)
+
+    def _accept_or_reject(self, step: StepResult, end: float) -> Row | None:
+        """Accept a trial that is accurate enough; return its row."""
+        start, recorder = self._time, self._recorder
+        if not self._accurate(step, end):
+            self._stepper.reject()
+            recorder.reject(step.iterations)
+            return None
+        self._stepper.accept(end)
+        if _among(end, self._kinks):
+            self._stepper.reset_predictor()
+        if _among(end, self._switches):
+            self._controller.reset()
+        row = recorder.accept(end, end - start, step.iterations, self._stable)
+        self._settle(end)
+        return row
 
     def _settle(self, time: float) -> None:
-        """Keep what an accepted state at a time in min leaves, and what goes on from it."""
+        """Save a profile of the accepted state at a time in min, if due, and a checkpoint."""
         run, recorder = self._scene.run, self._recorder
         if run is None or _among(time, run.save):
             recorder.save()
         self.checkpoint = Checkpoint(
             scene="",
             stepper=self._stepper.state(),
-            chord=self._equilibrium.tangent,
-            controller=self._steps.state(),
-            stability=self._stability.last,
-            step_reduced=self._cut,
+            chord=self._equilibrium.state(),
+            controller=self._controller.state(),
+            stability=self._stability.state(),
+            step_reduced=self._reduced,
             recorder=recorder.state(),
             timings=Timings(),
         )
@@ -164,7 +158,7 @@ class Transient:
     # --- loading --------------------------------------------------------------------------
 
     def _load(self) -> Outcome | None:
-        """First equilibrium: at once, or where Newton's method fails or strays, step by step."""
+        """Find the first equilibrium: at once or, if Newton's method fails or strays, by volume."""
         stepper, recorder = self._stepper, self._recorder
         try:
             iterations = stepper.load()
@@ -179,27 +173,27 @@ class Transient:
             limit = find_limit_pressure(self._shell, stepper.pressure(0.0), self._tolerance)
             if limit is not None:
                 recorder.count_iterations(limit.iterations)
-                return limit_pressure_reached(limit.pressure)
+                return limit_pressure_exceeded(limit.pressure)
             iterations = stepper.load()
         except (EquilibriumError, PathError) as error:
             stepper.unload()
-            return Outcome("failed", f"the wall finds no equilibrium under its pressure: {error}")
+            return Outcome("failed", f"no equilibrium found under the turgor: {error}")
         self._past_limit()
         recorder.accept(0.0, 0.0, iterations, self._stable)
         return None
 
     # --- steps ----------------------------------------------------------------------------
 
-    def _bends(self) -> list[float]:
+    def _find_kinks(self) -> list[float]:
         """Increasing times in min at which the pressure's slope changes, or growth switches."""
-        turgor, run = self._scene.turgor, self._scene.run
+        pressure, run = self._scene.turgor.pressure, self._scene.run
         end = 0.0 if run is None else run.end
-        times = turgor.pressure.time if isinstance(turgor.pressure, PressureTable) else ()
+        times = pressure.time if isinstance(pressure, PressureTable) else ()
         inside = (t for t in (*times, *self._switches) if 0 < t < end)
-        return sorted([min(turgor.ramp, end), *inside])
+        return sorted([min(self._scene.turgor.ramp, end), *inside])
 
-    def _time_steps(self) -> StepController:
-        """Fixed steps, or steps that follow the estimated error of growth."""
+    def _step_controller(self) -> StepController:
+        """Control fixed steps, or steps that follow the estimated error of growth."""
         run, numerics, growth_time = self._scene.run, self._scene.numerics, self._scene.growth_time
         milestones = [] if run is None else [*self._kinks, *run.save, run.end]
         if numerics.step is not None:
@@ -208,26 +202,22 @@ class Transient:
             return StepController(milestones, max(milestones, default=0.0) / 100, None)
         return StepController(milestones, _FIRST_STEP * growth_time, self._tableau.estimate_order)
 
-    def _propose(self, steps: StepController) -> float | None:
-        """End of the next step; where nothing will change, all the way to the next milestone."""
-        rows = self._recorder.rows
+    def _propose(self) -> float | None:
+        """Return the end of the next step; where nothing will change, the next milestone."""
+        rows, controller = self._recorder.rows, self._controller
         changed = abs(rows[-1].volume_um3 - rows[max(0, len(rows) - 2)].volume_um3)
-        if changed <= _STILL * rows[-1].volume_um3:
-            milestone = steps.propose_milestone(self._time)
-            steady = milestone is None or not self._changing(milestone)
+        if changed <= _UNCHANGED * rows[-1].volume_um3:
+            milestone = controller.propose_milestone(self._time)
+            steady = milestone is None or not self._pressure_changes(milestone)
             if steady and self._stepper.at_rest:
                 return milestone
-        wanted, longest = steps.propose(self._time), self._stepper.longest_step
+        wanted, longest = controller.propose(self._time), self._stepper.longest_step
         if wanted is None or wanted - self._time <= longest:
             return wanted
-        self._cut = self._cut or self._scene.numerics.step is not None
-        return steps.propose(self._time, longest)
+        self._reduced = self._reduced or self._scene.numerics.step is not None
+        return controller.propose(self._time, longest)
 
-    @property
-    def _growing(self) -> bool:
-        return self._shell.growth is not None
-
-    def _changing(self, end: float) -> bool:
+    def _pressure_changes(self, end: float) -> bool:
         """Whether the pressure changes from now to a time before the next kink."""
         return self._stepper.pressure(end) != self._stepper.pressure(self._time)
 
@@ -239,18 +229,20 @@ class Transient:
         inside_out = self._scene.cell.closed and self._shell.volume() <= 0
         return self._equilibrium.compliance() < 0 or inside_out
 
-    def _good(self, steps: StepController, step: StepResult, end: float) -> bool:
-        """Whether the trial is good enough; adapts the steps."""
+    def _accurate(self, step: StepResult, end: float) -> bool:
+        """Whether the trial is accurate enough; adapts the steps."""
         if self._scene.numerics.step is not None:
-            return steps.accepts(0.0)
-        return steps.accepts(self._badness(self._stepper.volume_error(step), end - self._time))
+            return self._controller.accepts(0.0)
+        error = self._stepper.volume_error(step)
+        return self._controller.accepts(self._relative_error(error, end - self._time))
 
-    def _badness(self, error: float, dt: float) -> float:
-        """Estimated error of the volume, 1 being the largest wanted.
+    def _relative_error(self, error: float, dt: float) -> float:
+        """Estimated error of the volume over the largest one allowed in a step.
 
         An error of the volume acts like a shift in time by it over `V'`, and shifts add up over
-        the run: it is held against what the cell grows in the characteristic time. In fast growth
-        the shift is multiplied by what is still to come, and it is held against the volume.
+        the run: it is compared with what the cell grows in the characteristic time. In fast
+        growth the shift is multiplied by what is still to come, and it is compared with the
+        volume.
         """
         growth_time, recorder = self._scene.growth_time, self._recorder
         if growth_time is None:
@@ -265,18 +257,18 @@ class Transient:
     def _patience(self) -> int:
         """Failed steps in a row after which a limit point is looked for.
 
-        Adaptive steps are short where much happens: one that fails has met something.
+        Adaptive steps are short where much happens: the first that fails has met something.
         """
         return _FAILURES if self._scene.numerics.step is not None else 1
 
     # --- ends -----------------------------------------------------------------------------
 
-    def _limit(self, end: float) -> Generator[Row, None, Outcome | None]:
-        """Find out whether the wall loses its equilibrium on the way to a time, and tell."""
-        if self._growing:
-            lost = yield from self._meets_limit(end)
+    def _find_limit(self, end: float) -> Generator[Row, None, Outcome | None]:
+        """Return how the wall loses its equilibrium on the way to a time; None if it does not."""
+        if self._shell.growth is not None:
+            lost = yield from self._meets_growth_limit(end)
             return self._lost(end) if lost else None
-        if not self._changing(end):
+        if not self._pressure_changes(end):
             return None
         start, pressure = self._time, self._stepper.pressure
         try:
@@ -293,21 +285,19 @@ class Transient:
             yield self._recorder.accept(time, time - start, limit.iterations, True)
         else:
             self._stepper.reject()
-        return limit_pressure_reached(limit.pressure, time)
+        return limit_pressure_exceeded(limit.pressure, time)
 
-    def _meets_limit(self, end: float) -> Generator[Row, None, bool]:
+    def _meets_growth_limit(self, end: float) -> Generator[Row, None, bool]:
         """Whether a growing wall loses its equilibrium on the way to a time, followed by volume."""
         rate = self._volume_rate(end)
         if rate == 0:
             return False
-        precision = self._scene.numerics.tolerance
-        steps = approach_limit_point(
-            self._stepper, self._tolerance, precision, rate, end, self._accept
+        found, iterations = yield from approach_limit_point(
+            self._stepper, self._tolerance, self._scene.numerics.tolerance, rate, end, self._accept
         )
-        check_convergence, spent = yield from steps
         self._stepper.reset_predictor()
-        self._recorder.count_iterations(spent)
-        return check_convergence is ApproachEnd.LIMIT
+        self._recorder.count_iterations(iterations)
+        return found is ApproachEnd.LIMIT
 
     def _volume_rate(self, end: float) -> float:
         """Rate of the volume in µm³/min: that of the last step, and what the pressure changes."""
@@ -325,21 +315,30 @@ class Transient:
         return (pressure(end) - pressure(self._time)) / (end - self._time)
 
     def _lost(self, end: float) -> Outcome:
-        """Tell which of growth and pressure has brought a growing wall to its limit point."""
+        """Which of growth and pressure has brought a growing wall to its limit point."""
         last, growth_time = self._recorder.rows[-1], self._scene.growth_time
         if growth_time is not None and self._slope(end) * growth_time / last.pressure_MPa > 1:
-            return limit_pressure_reached(last.pressure_MPa, last.time_min)
-        return softened(last, self._scene.wall.energy_per == "reference")
+            return limit_pressure_exceeded(last.pressure_MPa, last.time_min)
+        return growth_limit_reached(last, self._scene.wall.energy_per == "reference")
 
     def _accept(self, iterations: int, step: float) -> Row:
-        """Note a state accepted on the approach to a limit point."""
+        """Record a state accepted on the approach to a limit point."""
         stable = self._stability.negative_modes() == 0
         return self._recorder.accept(self._time, step, iterations, stable)
 
-    def _failed(self, error: EquilibriumError) -> Outcome:
-        return Outcome(
-            "failed", f"no step beyond {self._time:g} min, however small, converged: {error}"
-        )
+    def _finished(self, end: float) -> Outcome:
+        message = f"reached {end:g} min"
+        if self._shell.growth is not None and self._recorder.rows[-1].max_growth_strain == 0:
+            message += "; nothing grew: the stress stays below the threshold"
+        if self._reduced:
+            message += f"; steps reduced to the stability limit of {self._tableau.name}"
+        elif self._controller.reductions and self._scene.numerics.step is not None:
+            message += f"; fixed steps reduced: {self._controller.reductions}"
+        return Outcome("finished", message)
+
+    def _failed(self, reason: EquilibriumError | str) -> Outcome:
+        where = f"no convergence beyond {self._time:g} min, even with the smallest step"
+        return Outcome("failed", f"{where}: {reason}")
 
 
 def _among(time: float, times: Sequence[float]) -> bool:

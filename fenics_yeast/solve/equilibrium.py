@@ -161,6 +161,9 @@ class Equilibrium:
         self._equations.set_trial_if_changed(self._x.array_r)
         return iterations
 
+    def state(self) -> ChordState | None:
+        return self._formed
+
     @property
     def tangent(self) -> ChordState | None:
         """Where the tangent in use was formed; None if the next solution forms a new one."""

@@ -56,6 +56,12 @@ class Stability:
         self._solver.destroy()
         self._matrix.destroy()
 
+    def state(self) -> StabilityState:
+        return self.last
+
+    def restore(self, state: StabilityState) -> None:
+        self.last = state
+
     def negative_modes(self) -> int:
         """Number of independent directions in which the potential falls; 0 where stable.
 

@@ -14,9 +14,8 @@ import pytest
 from support.command import COMMAND, FILES, TWO_SAVED, call, hear, lines, tree, wait_for
 
 from fenics_yeast.output.reading import read_history, read_profiles, read_status
-from fenics_yeast.simulation import simulation
-from fenics_yeast.simulation.result import History, Profiles, Timings
-from fenics_yeast.simulation.result import Result as RunResult
+from fenics_yeast.simulation import History, Profiles, Timings, simulation
+from fenics_yeast.simulation import Result as RunResult
 
 
 def start(*arguments: str) -> subprocess.Popen[str]:

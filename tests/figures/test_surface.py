@@ -13,7 +13,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.figures.paraview import write_surfaces
-from fenics_yeast.simulation.result import Profiles, Result
+from fenics_yeast.simulation import Profiles, Result
 
 
 def read(path: Path) -> vtkUnstructuredGrid:

@@ -10,7 +10,7 @@ import pytest
 from fenics_yeast import Scene
 from fenics_yeast.output.folder import OutputError, OutputFolder
 from fenics_yeast.output.reading import read_history, read_profiles, read_scene, read_status
-from fenics_yeast.simulation.result import COLUMNS, History, Profile, Profiles, Result, Row, Timings
+from fenics_yeast.simulation import COLUMNS, History, Profile, Profiles, Result, Row, Timings
 
 CONTRACT = (
     "time_min, pressure_MPa, volume_um3, volume_ratio, pole_height_um, bud_radius_um, "

@@ -22,11 +22,10 @@ from fenics_yeast import Scene, _dolfinx, simulate
 from fenics_yeast.mechanics.ordering import Ordering
 from fenics_yeast.output import restart
 from fenics_yeast.output.reading import read_history, read_profiles, read_result, read_status
-from fenics_yeast.simulation import Observers, build_shell
+from fenics_yeast.simulation import COLUMNS, Observers, Profiles, build_shell
+from fenics_yeast.simulation import Result as RunResult
 from fenics_yeast.simulation import checkpointer as checkpointer
-from fenics_yeast.simulation.checkpoint import FORMAT, Checkpoint, CheckpointError, Start
-from fenics_yeast.simulation.result import COLUMNS, Profiles
-from fenics_yeast.simulation.result import Result as RunResult
+from fenics_yeast.simulation.checkpoint import FORMAT, Checkpoint, CheckpointError, ResumePoint
 from fenics_yeast.simulation.transient import Transient
 from fenics_yeast.solve.time_stepper import StepperState
 
@@ -118,7 +117,7 @@ def test_every_step_can_be_taken_up(
     for checkpoint in kept[:: len(kept) // 4]:
         read = Checkpoint.from_bytes(checkpoint.to_bytes())
         recorder = read.recorder
-        start = Start(
+        start = ResumePoint(
             read,
             tuple(whole.history.rows[: recorder.rows]),
             whole.profiles.all[: recorder.profiles],

@@ -15,7 +15,7 @@ from mpi4py import MPI
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.studies.error_bars import estimate_error_bars
-from fenics_yeast.simulation.result import COLUMNS
+from fenics_yeast.simulation import COLUMNS
 
 TEXT = '''{scenes}'''
 

@@ -5,7 +5,7 @@ import pytest
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.scene import PressureTable, StaticPath, Until
-from fenics_yeast.simulation.result import Result
+from fenics_yeast.simulation import Result
 
 MU, H, R = 40.0, 0.1, 2.5
 UNIT = MU * H / R
@@ -56,7 +56,7 @@ def test_a_pressure_out_of_reach_is_told_with_the_limit_pressure(
 ) -> None:
     result = walk(elastic_scene, control, steps=20, pressure=2.5)
     assert result.status == "no-equilibrium"
-    said = float(result.message.split("limit pressure, ")[1].split(" MPa")[0])
+    said = float(result.message.split("limit pressure exceeded (")[1].split(" MPa")[0])
     assert said / UNIT == pytest.approx(1.239463, rel=2e-3)
     assert result.history.pressure_MPa.max() / UNIT == pytest.approx(1.239463, rel=2e-3)
 

@@ -12,7 +12,7 @@ from fenics_yeast import simulate
 from fenics_yeast.output.folder import OutputFolder
 from fenics_yeast.output.reading import read_error_bars
 from fenics_yeast.scene import StaticPath, Until
-from fenics_yeast.simulation.result import Timings
+from fenics_yeast.simulation import Timings
 from fenics_yeast.studies import error_bars as module
 from fenics_yeast.studies.error_bars import estimate_error_bars, refinements
 

@@ -1,0 +1,135 @@
+"""The history of a run: a row for each accepted state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import tables
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One accepted state of the history; the names carry the units.
+
+    A new column is added here, as the last field, and filled in `recorder.Recorder.accept`.
+
+    Attributes
+    ----------
+    time_min
+        Time; 0 for all points of an equilibrium path.
+    pressure_MPa
+        Turgor pressure, negative if external.
+    volume_um3, volume_ratio
+        Volume enclosed by the mid-surface, and its ratio to that of the unloaded cell.
+    pole_height_um
+        Height of the upper end of the meridian above the lower end.
+    bud_radius_um, neck_radius_um
+        Largest radius of the growing zones and of their edges; 0 where nothing grows.
+    max_growth_strain
+        Largest growth strain.
+    dissipation_rate
+        Dissipation of growth (12), µm³ MPa/min.
+    step_min
+        Length of the step that led here.
+    newton_iterations
+        Newton iterations of that step.
+    stable
+        Whether no small axisymmetric perturbation at given growth and loads moves the state away.
+    force_uN, displacement_um
+        Force of the table `[load]` and its displacement; 0 without it.
+    """
+
+    time_min: float
+    pressure_MPa: float
+    volume_um3: float
+    volume_ratio: float
+    pole_height_um: float
+    bud_radius_um: float
+    neck_radius_um: float
+    max_growth_strain: float
+    dissipation_rate: float
+    step_min: float
+    newton_iterations: int
+    stable: bool
+    force_uN: float = 0.0
+    displacement_um: float = 0.0
+
+
+COLUMNS = tuple(field.name for field in fields(Row))
+
+
+class History:
+    """The accepted states of a run, a NumPy array for each column of `Row`.
+
+    ``history.volume_ratio`` is the array of all rows; ``history.at(90)`` is the row at 90 min.
+
+    Attributes
+    ----------
+    rows
+        The rows, in order of time or along the path.
+    """
+
+    time_min: Array
+    pressure_MPa: Array
+    volume_um3: Array
+    volume_ratio: Array
+    pole_height_um: Array
+    bud_radius_um: Array
+    neck_radius_um: Array
+    max_growth_strain: Array
+    dissipation_rate: Array
+    step_min: Array
+    newton_iterations: NDArray[np.int64]
+    stable: NDArray[np.bool_]
+    force_uN: Array
+    displacement_um: Array
+
+    def __init__(self, rows: Iterable[Row]) -> None:
+        self.rows: Sequence[Row] = tuple(rows)
+        for name in COLUMNS:
+            setattr(self, name, np.array([getattr(row, name) for row in self.rows]))
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __repr__(self) -> str:
+        if not self.rows:
+            return "History(empty)"
+        last = self.rows[-1]
+        return (
+            f"History({len(self)} rows, t = {self.rows[0].time_min:g} to {last.time_min:g} min, "
+            f"V/V0 = {last.volume_ratio:.6f} at the end)"
+        )
+
+    def _repr_html_(self) -> str | None:
+        return tables.html(self)
+
+    def to_frame(self) -> Any:
+        """Return the rows as a pandas `DataFrame`, a column for each field of `Row`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return tables.frame({name: getattr(self, name) for name in COLUMNS})
+
+    def at(self, time: float) -> Row:
+        """Return the row at a time in min that the run hit exactly, such as a saved time.
+
+        Raises
+        ------
+        KeyError
+            If no row is at that time.
+        """
+        for row in reversed(self.rows):
+            if abs(row.time_min - time) <= 1e-9 * max(1.0, abs(time)):
+                return row
+        raise KeyError(f"no accepted step at {time:g} min; add it to run.save")

@@ -1,0 +1,90 @@
+"""Characteristic sizes of a scene: what its solvers take as large or small."""
+
+from __future__ import annotations
+
+from ..scene import PressureTable, Scene
+
+_ROUND_OFF = 1e-12  # of the nodal forces, for those that would double the wall's length
+
+
+def pressure_scale(scene: Scene) -> float:
+    """Return `μ h / R` in MPa: the pressure that strains a cell of this size by about one."""
+    return scene.wall.shear_modulus * scene.wall.thickness / scene.cell.radius
+
+
+def length_scale(scene: Scene) -> float:
+    """Return `√(R h)` in µm: the width of a boundary layer, and of a dent under a force."""
+    return float((scene.cell.radius * scene.wall.thickness) ** 0.5)
+
+
+def force_scale(scene: Scene) -> float:
+    """Return `8 μ h²/R √(R h)` in µN: about the force that dents a sphere by `√(R h)`.
+
+    The stiffness is that of a point force on a spherical shell (Reissner 1946).
+    """
+    stiffness = 8 * scene.wall.shear_modulus * scene.wall.thickness**2 / scene.cell.radius
+    return stiffness * length_scale(scene)
+
+
+def residual_tolerance(scene: Scene, nodes: int) -> float:
+    """Return the norm of the residual in µN at which it counts as zero.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    nodes
+        Number of nodes of its mesh, over which the load is spread.
+    """
+    return _precision(scene) * _load(scene, nodes)
+
+
+def _precision(scene: Scene) -> float:
+    """Relative size at which a residual counts as zero: below the errors of adaptive steps."""
+    numerics = scene.numerics
+    fixed = numerics.step is not None or scene.growth is None
+    return 1e-8 if fixed else max(1e-10, min(1e-5, 0.05 * numerics.tolerance))
+
+
+def _load(scene: Scene, nodes: int) -> float:
+    """Size of the nodal forces in µN: of the largest load, or of a strain of 1 %.
+
+    An open wall may bend under loads that hardly strain it, and a force is small beside turgor:
+    then the size is that of the load, but no smaller than round-off allows.
+    """
+    unit, radius = pressure_scale(scene), scene.cell.radius
+    sizes, least = _pressures(scene), 0.01 * unit
+    if scene.axial_load is not None or not scene.cell.closed:
+        least = _ROUND_OFF / _precision(scene) * unit
+        sizes = _pressures_of_open_wall(scene) + _pressures_of_force(scene)
+    return float(max(*sizes, least) * radius**2 / nodes**0.5)
+
+
+def _pressures(scene: Scene) -> list[float]:
+    """Sizes of the pressures of a scene, in MPa."""
+    pressure = scene.turgor.pressure
+    if scene.path is not None and not scene.path.until.of_load:
+        pressure = scene.path.until.pressure or pressure_scale(scene)
+    values = pressure.value if isinstance(pressure, PressureTable) else (pressure,)
+    return [abs(value) for value in values]
+
+
+def _pressures_of_open_wall(scene: Scene) -> list[float]:
+    """The same; on a path to a volume, the pressure that bends the wall, or strains a membrane."""
+    if scene.path is None or scene.path.until.volume_ratio is None:
+        return _pressures(scene)
+    unit = pressure_scale(scene)
+    slender = scene.wall.thickness / scene.cell.radius
+    return [slender**2 * unit if scene.wall.bending else unit]
+
+
+def _pressures_of_force(scene: Scene) -> list[float]:
+    """Sizes of the forces of a scene, each as a pressure on `R²`, in MPa."""
+    load, path, radius = scene.axial_load, scene.path, scene.cell.radius
+    sizes = [] if load is None else [abs(load.force) / radius**2]
+    if path is not None and path.until.of_load:
+        slender = scene.wall.thickness / radius
+        moved = path.until.displacement or 0.0
+        force = path.until.force or pressure_scale(scene) * slender * radius * moved
+        sizes.append(abs(force) / radius**2)
+    return sizes

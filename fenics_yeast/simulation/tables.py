@@ -1,0 +1,39 @@
+"""Results as pandas tables and, in notebooks, as HTML."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+_SHOWN = 10  # rows of a long table in a notebook
+
+
+class Table(Protocol):
+    """Something with a pandas table."""
+
+    def to_frame(self) -> Any: ...
+
+
+def frame(columns: dict[str, Any]) -> Any:
+    """Return columns as a pandas `DataFrame`.
+
+    Raises
+    ------
+    ImportError
+        If pandas is not installed.
+    """
+    try:
+        from pandas import DataFrame
+    except ImportError:
+        raise ImportError("to_frame needs pandas; run: pip install pandas") from None
+    return DataFrame(columns)
+
+
+def html(table: Table, caption: str = "") -> str | None:
+    """Return the first and last rows for a notebook; None without pandas: it then shows `repr`."""
+    from html import escape
+
+    try:
+        shown = table.to_frame().to_html(max_rows=_SHOWN, index=False)
+    except ImportError:
+        return None
+    return f"<p><code>{escape(caption or repr(table))}</code></p>{shown}"
