@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from ..scene import Run, Scene, SceneError
+from ..scene import Run, Scene, SceneError, flatten
 from ..simulation import Checkpoint, CheckpointError, Result, ResumePoint
 from ..solve import same_time
 from .folder import CHECKPOINT, OutputError
@@ -119,7 +117,7 @@ def _agree(directory: Path, start: ResumePoint, run: Run) -> None:
 
 def _difference(earlier: Scene, scene: Scene) -> str | None:
     """First value in which two scenes differ, but for title and span of time."""
-    old, new = dict(_values(earlier.model_dump())), dict(_values(scene.model_dump()))
+    old, new = flatten(earlier), flatten(scene)
     if (earlier.run is None) != (scene.run is None):
         return "a [run] table" if scene.run is None else "no [run] table"
     for key in {**old, **new}:
@@ -129,14 +127,6 @@ def _difference(earlier: Scene, scene: Scene) -> str | None:
             was, now = (_text(values.get(key)) for values in (old, new))
             return f"{key} = {was} in place of {now}"
     return None
-
-
-def _values(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in tables.items():
-        if isinstance(value, Mapping):
-            yield from _values(value, f"{prefix}{key}.")
-        else:
-            yield prefix + key, value
 
 
 def _text(value: object) -> str:

@@ -6,12 +6,13 @@ A scene is validated once and frozen; inside it every quantity is a number in µ
 from __future__ import annotations
 
 from .cell import Cell
-from .errors import SceneError, fields_of, value_of, value_text
+from .errors import SceneError, value_text
 from .growth import Growth, Polarity
+from .keys import fields_of, flatten, keys_of, parse_assignment, parse_value, unit_symbol, value_of
 from .load import Load
 from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from .run import Control, Run, StaticPath, Until
-from .scene import Scene, parse_assignment, parse_value
+from .scene import Scene
 from .septum import Septum
 from .turgor import PressureTable, Turgor
 from .units import Unit
@@ -46,8 +47,11 @@ __all__ = [
     "WallZone",
     "Zone",
     "fields_of",
+    "flatten",
+    "keys_of",
     "parse_assignment",
     "parse_value",
+    "unit_symbol",
     "value_of",
     "value_text",
 ]

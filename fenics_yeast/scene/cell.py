@@ -33,9 +33,10 @@ from ..geometry import (
     smooth_contour,
     spheroid,
 )
-from .errors import BRANCH, SceneError, explain
+from .errors import BRANCH, SceneError, refusal
+from .explain import explain
 from .table import Table
-from .units import LENGTH, Angle, Length, refusal
+from .units import LENGTH, Angle, Length
 
 _EDGE = (
     "what is held: clamped (all), hinged (both displacements), roller (axial displacement and "

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, create_model, model_validator
 
-from .errors import BRANCH
+from .errors import BRANCH, refusal
 from .table import Table
-from .units import Length, Pressure, Time, refusal
+from .units import Length, Pressure, Time
 from .zone import Zone
 
 # `from` is a word of Python's own, which no class body may define.

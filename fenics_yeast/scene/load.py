@@ -6,8 +6,9 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
+from .errors import refusal
 from .table import Table
-from .units import Force, Length, refusal
+from .units import Force, Length
 
 
 class Load(Table):

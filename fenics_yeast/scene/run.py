@@ -6,8 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from .errors import refusal
 from .table import Table
-from .units import Force, Length, Pressure, Time, refusal
+from .units import Force, Length, Pressure, Time
 
 
 class Run(Table):

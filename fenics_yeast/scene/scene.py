@@ -10,54 +10,25 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
 from pathlib import Path
 from typing import Any, Self
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from ..geometry import Intervals, neck
-from .cell import AnyCell, Cell
-from .errors import SceneError, explain, value_text
+from .cell import AnyCell
+from .errors import SceneError, refusal, value_text
+from .explain import explain
 from .growth import Growth, OneOrMore, Polarity
+from .keys import set_value
 from .load import Load
-from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset, elements_for
-from .run import Control, Run, StaticPath, Until
+from .numerics import PRESETS, Numerics, elements_for
+from .run import Run, StaticPath
 from .septum import Septum
 from .table import Table
 from .turgor import PressureTable, Turgor
-from .units import refusal
-from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
+from .wall import AnyWall
 from .zone import Zone, misplaced
-
-__all__ = [
-    "PRESETS",
-    "Cell",
-    "Control",
-    "Geometry",
-    "Grading",
-    "Growth",
-    "Integrator",
-    "LinearWall",
-    "Load",
-    "Numerics",
-    "OgdenWall",
-    "Polarity",
-    "Preset",
-    "PressureTable",
-    "Run",
-    "Scene",
-    "SceneError",
-    "Septum",
-    "StaticPath",
-    "Turgor",
-    "Until",
-    "Wall",
-    "WallZone",
-    "Zone",
-    "parse_assignment",
-    "parse_value",
-]
 
 
 class Scene(Table):
@@ -326,69 +297,13 @@ class Scene(Table):
         """
         tables = self.model_dump(exclude_unset=True, by_alias=True)
         for dotted, value in values.items():
-            *parents, key = dotted.split(".")
-            table: Any = tables
+            if isinstance(value, Table):
+                value = value.model_dump(exclude_unset=True)
             try:
-                for parent in parents:
-                    table = _enter(table, parent)
-                if isinstance(value, Table):
-                    value = value.model_dump(exclude_unset=True)
-                # Not the caller's own: a later key may go into it.
-                table[_place(table, key)] = deepcopy(value)
+                set_value(tables, dotted, value)
             except ValueError as error:
                 change = f"{dotted[:80]} = {value_text(value)}"
                 raise SceneError(f"{self._source}: {change}: {error}") from None
         scene = self._from_tables(tables, self._source)
         scene._stem = self._stem
         return scene
-
-
-def _enter(table: Any, key: str) -> Any:
-    """Table or list of tables at a key, which is made where it is missing."""
-    place = _place(table, key)
-    if isinstance(table, dict) and table.get(key) is None:
-        table[key] = {}
-    entry = table[place]
-    if isinstance(entry, list | tuple) and entry and all(isinstance(e, dict) for e in entry):
-        entry = table[place] = list(entry)
-    elif not isinstance(entry, dict):
-        raise ValueError(f"{key} is not a table")
-    return entry
-
-
-def _place(table: Any, key: str) -> Any:
-    """Key of a table, or the number of an entry of a list."""
-    if isinstance(table, dict):
-        return key
-    if not key.isdecimal() or int(key) >= len(table):
-        raise ValueError(f"{key[:40]} is no entry; they are 0 to {len(table) - 1}")
-    return int(key)
-
-
-# Assignments ----------------------------------------------------------------------------------
-
-
-def parse_assignment(text: str) -> tuple[str, object]:
-    """Split ``TABLE.KEY=VALUE`` into a key and a value for `Scene.with_values`.
-
-    Raises
-    ------
-    SceneError
-        If there is no key, no equals sign or no value.
-    """
-    key, _, value = (part.strip() for part in text.partition("="))
-    if not key or not value:
-        raise SceneError(f"{value_text(text)}: write TABLE.KEY=VALUE, e.g. growth.time=30")
-    return key, parse_value(value)
-
-
-def parse_value(text: str) -> object:
-    """Read `text` as a TOML value, as a number (``1000.``) or as a plain string (``30 min``)."""
-    try:
-        values = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
-        try:
-            return float(text)
-        except ValueError:
-            return text
-    return values["value"] if len(values) == 1 else text

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from .errors import SceneError, explain
+from .errors import SceneError
+from .explain import explain
 
 
 class Table(BaseModel):

@@ -8,9 +8,9 @@ from typing import Annotated
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator
 
-from .errors import BRANCH
+from .errors import BRANCH, refusal
 from .table import Table
-from .units import Pressure, Time, refusal
+from .units import Pressure, Time
 
 
 class PressureTable(Table):

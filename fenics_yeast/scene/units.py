@@ -10,7 +10,8 @@ from numbers import Real
 from typing import TYPE_CHECKING, Annotated
 
 from pydantic import BeforeValidator
-from pydantic_core import PydanticCustomError
+
+from .errors import refusal
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -103,13 +104,3 @@ Pressure = Annotated[float, BeforeValidator(PRESSURE.read), PRESSURE]
 Time = Annotated[float, BeforeValidator(TIME.read), TIME]
 Force = Annotated[float, BeforeValidator(FORCE.read), FORCE]
 Angle = Annotated[float, BeforeValidator(ANGLE.read), ANGLE]
-
-
-def refusal(reason: str, *, allowed: str = "", key: str = "") -> PydanticCustomError:
-    """Give the error with which a validator refuses a value for a reason of its own.
-
-    `allowed` stands in for the field's general description of what is allowed; `key` is the
-    culprit's path below the table whose validator speaks.
-    """
-    context = {"reason": reason, "allowed": allowed, "key": key}
-    return PydanticCustomError("refused", "refused", context)

@@ -14,9 +14,9 @@ from pydantic import (
     model_validator,
 )
 
-from .errors import BRANCH
+from .errors import BRANCH, refusal
 from .table import Table
-from .units import Length, Pressure, refusal
+from .units import Length, Pressure
 from .zone import Zone
 
 _LEAST_EXPONENT = 1e-3  # in size; below it the energy is lost to cancellation

@@ -10,8 +10,9 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from ..geometry import NEAR, Curve, Interval, Intervals, polar_extent
+from .errors import refusal
 from .table import Table
-from .units import Angle, Length, refusal
+from .units import Angle, Length
 
 _KINDS = (("pole", "half_angle"), ("from", "to"), ("from_fraction", "to_fraction"))
 _WANTED = "either pole and half_angle, from and to, or from_fraction and to_fraction are wanted"

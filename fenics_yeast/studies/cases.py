@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import product
-from typing import Any, get_args
 
 from pydantic import BaseModel
 
-from ..scene import Scene, SceneError, Unit, fields_of, parse_value, value_of, value_text
+from ..scene import Scene, SceneError, parse_value, value_of, value_text
 
 _MOST_VALUES = 100_000
 _DIGITS = 12  # that a value of a range keeps: 1.1 rather than 1.0999999999999999
@@ -84,20 +83,13 @@ def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
         changed = scene.with_values(dict(zip(keys, values, strict=True)))
         if changed in cases:  # "1 MPa" and 1.0
             continue
-        held = tuple(_plain(_look_up(changed, key)) for key in keys)
+        held = tuple(_plain(value_of(changed, key)) for key in keys)
         name = _folder(keys, held)
         while name in names:  # long values that differ at their ends
             name += "+"
         names.add(name)
         cases[changed] = Case(name, held, changed)
     return list(cases.values())
-
-
-def unit_symbol(scene: Scene, key: str) -> str:
-    """Symbol of the unit in which a scene holds the value of a key; empty where it has none."""
-    table, _, name = key.rpartition(".")
-    field = fields_of(type(_look_up(scene, table)))[name]
-    return _symbol([*field.metadata, field.annotation])
 
 
 def value_label(value: float | str) -> str:
@@ -133,21 +125,6 @@ def _range(text: str, parts: Sequence[str]) -> list[object]:
         return [f"{value:.{_DIGITS}g} {min(units)}" for value in values]
     whole = all(value == int(value) for value in values) and "." not in "".join(parts)
     return [int(value) if whole else float(f"{value:.{_DIGITS}g}") for value in values]
-
-
-def _look_up(scene: Scene, key: str) -> Any:
-    found: Any = scene
-    for part in filter(None, key.split(".")):
-        found = found[int(part)] if isinstance(found, tuple | list) else value_of(found, part)
-    return found
-
-
-def _symbol(marks: Sequence[Any]) -> str:
-    for mark in marks:
-        found = mark.symbol if isinstance(mark, Unit) else _symbol(get_args(mark))
-        if found:
-            return str(found)
-    return ""
 
 
 def _plain(value: object) -> float | str:

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..figures import COLOURS, Curve, figure_of, pressures, volumes
 from ..output import read_history, read_scene
-from .cases import unit_symbol, value_label
+from ..scene import unit_symbol
+from .cases import value_label
 from .table import CaseRow, read_table
 
 if TYPE_CHECKING:

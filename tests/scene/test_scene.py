@@ -17,12 +17,9 @@ from fenics_yeast.scene import (
     Numerics,
     Run,
     Scene,
-    SceneError,
     Turgor,
     Wall,
     Zone,
-    parse_assignment,
-    parse_value,
 )
 
 
@@ -212,35 +209,6 @@ def test_tables_can_be_changed_as_a_whole_and_left_out(bud):
     assert elastic.growth is None
     assert elastic.numerics.step is None
     assert elastic.with_values({"growth": bud.growth, "numerics.step": 0.2}) == bud
-
-
-@pytest.mark.parametrize(
-    ("text", "key", "value"),
-    [
-        ("growth.time=30 min", "growth.time", "30 min"),
-        ("growth.time=30", "growth.time", 30),
-        (" growth.time = '30 min' ", "growth.time", "30 min"),
-        ("growth.zone.half_angle=1e1", "growth.zone.half_angle", 10.0),
-        ("run.save=[1, 2]", "run.save", [1, 2]),
-        ("numerics.integrator=sdirk2", "numerics.integrator", "sdirk2"),
-        ("title=a=b", "title", "a=b"),
-        ("title=1\nx=2", "title", "1\nx=2"),
-    ],
-)
-def test_assignments(text, key, value):
-    assert parse_assignment(text) == (key, value)
-
-
-def test_values_of_assignments_are_toml_or_text():
-    assert parse_value("45 min") == "45 min"
-    assert parse_value("true") is True
-    assert parse_value("[" * 10_000) == "[" * 10_000
-
-
-@pytest.mark.parametrize("text", ["growth.time", "=3", "growth.time=", "", "="])
-def test_malformed_assignments(text):
-    with pytest.raises(SceneError, match=r"TABLE\.KEY=VALUE"):
-        parse_assignment(text)
 
 
 def test_names(tmp_path, bud):

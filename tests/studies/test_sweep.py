@@ -15,7 +15,8 @@ from support.command import COMMAND, hear, lines, wait_for
 
 from fenics_yeast import Scene, SceneError, simulate
 from fenics_yeast.output.reading import read_history, read_status
-from fenics_yeast.studies.cases import parse_variation, plan, unit_symbol
+from fenics_yeast.scene import unit_symbol
+from fenics_yeast.studies.cases import parse_variation, plan
 
 # Marks of a process that has initialised MPI, which those that it starts must not inherit.
 ENVIRONMENT = {

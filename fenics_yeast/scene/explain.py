@@ -1,0 +1,101 @@
+"""Explanation of what pydantic found wrong in a scene, on one line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import UnionType
+from typing import Annotated, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from .errors import BRANCH, key_text, value_text
+from .keys import ABSENT, Path, field_at, fields_of, kind_key, look_up, model_of, models_of
+from .units import Unit
+
+_WANTED = {int: "a whole number", float: "a number", str: "a text in quotes"}
+_LISTS = {"min": "[40, 70, 90]", "MPa": '["2 atm", "0.2 atm"]'}
+_NO_KIND = ("union_tag_invalid", "union_tag_not_found")
+_REASONS = {"finite_number": "not finite"}
+
+
+def explain(model: type[BaseModel], data: object, error: ValidationError) -> str:
+    """Say what pydantic found wrong in `data`, meant to be a `model`.
+
+    The first problem is told, with its key, value and what is allowed; the others are counted.
+    """
+    problems = [
+        problem
+        for problem in error.errors(include_url=False)
+        if problem["type"] != "default_factory_not_called"  # only follows from another one
+    ]
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return f"{_explain(model, data, problems[0])}{more}"
+
+
+def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str:
+    context = problem.get("ctx", {})
+    path = tuple(part for part in problem["loc"] if not str(part).startswith(BRANCH))
+    if context.get("key"):
+        keys = context["key"].split(".")
+        path += tuple(int(key) if key.isdigit() else key for key in keys)
+    if problem["type"] in _NO_KIND and isinstance(look_up(data, path), Mapping):
+        path += (kind_key(field_at(model, data, path)[0]),)
+    value = look_up(data, path)
+    given = " is missing" if value is ABSENT else f" = {value_text(value)}"
+    what = key_text(path) + given
+    if problem["type"] in ("extra_forbidden", "invalid_key"):
+        return f"{what}: {_nearest(model, data, path)}"
+    reason = context.get("reason") or _REASONS.get(problem["type"])
+    allowed = context.get("allowed") or _allowed(model, data, path)
+    return f"{what}: {reason}; {allowed}" if reason else f"{what}: {allowed}"
+
+
+def _allowed(model: type[BaseModel], data: object, path: Path) -> str:
+    """Say what is allowed at `path` below `model`, from the field found there."""
+    annotation, metadata = field_at(model, data, path)
+    if get_origin(annotation) in (UnionType, Union):
+        first = get_args(annotation)[0]  # the kind that is told; None or a table is another
+        annotation, *own = get_args(first) if get_origin(first) is Annotated else (first,)
+        metadata = metadata + own
+    if model_of(annotation):
+        return f"the table [{key_text(path)}] is wanted"
+    if get_origin(annotation) is Literal:
+        return "allowed: " + ", ".join(value_text(choice) for choice in get_args(annotation))
+    if get_origin(annotation) is tuple and models_of(get_args(annotation)[0]):
+        return f"a list of tables is wanted, [[{key_text(path)}]]"
+    if get_origin(annotation) is tuple:
+        marks = get_args(get_args(annotation)[0])
+        entry = next((mark for mark in marks if isinstance(mark, Unit)), None)
+        if entry is None:
+            return "a list of numbers is wanted, e.g. [2.0, -2.0]"
+        return f"a list of {entry.kind.split()[1]}s is wanted, e.g. {_LISTS[entry.symbol]}"
+    unit = next((mark for mark in metadata if isinstance(mark, Unit)), None)
+    kind = unit.kind if unit else _WANTED.get(annotation, "another value")
+    words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+    bounds = " and ".join(
+        f"{word} {getattr(mark, name)}"
+        for name, word in words.items()
+        for mark in metadata
+        if hasattr(mark, name)
+    )
+    example = f", e.g. {unit.example} (bare numbers are {unit.symbol})" if unit else ""
+    return " ".join(filter(None, (kind, bounds, "is wanted"))) + example
+
+
+def _nearest(model: type[BaseModel], data: object, path: Path) -> str:
+    """Suggest a known key for the unknown one at the end of `path`."""
+    import difflib  # late: most scenes are right
+
+    *parents, key = path
+    table, value = model, data
+    for part in parents:
+        field, value = fields_of(table).get(str(part)), look_up(value, (part,))
+        table = (model_of(field.annotation, value) if field else None) or table
+    if near := difflib.get_close_matches(str(key), fields_of(table), n=1):
+        return f"unknown key; did you mean {key_text((*parents, near[0]))}?"
+    for name, field in fields_of(model).items():
+        other = model_of(field.annotation)
+        if other and key in fields_of(other):
+            return f"unknown key; did you mean {name}.{key}?"
+    return f"unknown key; known here: {', '.join(fields_of(table))}"
