@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import edges
-from ..mechanics import Shell, WallPoint
+from ..mechanics import Order, Shell, WallPoint
 from .profiles import Profile
 
 Array = NDArray[np.float64]
@@ -32,6 +32,7 @@ class Measurements:
         self._shell = shell
         curve, growing = shell.discretisation.curve, shell.discretisation.growing
         self._S, self._dofs = dx.node_dofs(shell.space)
+        self._nodes = Order(shell.comm, self._S)
         self._R, self._Z = curve.radius(self._S), curve.height(self._S)
         self._Phi = curve.angle(self._S)
         near = 1e-9 * curve.length
@@ -51,6 +52,7 @@ class Measurements:
         self._w = shell.w.x.array
         owned = shell.mesh.topology.index_map(1).size_local
         self._elements = np.arange(owned, dtype=np.int32)
+        self._points = Order(shell.comm, shell.quadrature_S[:owned].ravel())
         self._fields = dx.compile_expression(
             self._point_fields(), dx.quadrature_points(shell.degree)
         )
@@ -83,16 +85,16 @@ class Measurements:
         shell = self._shell
         motion = shell.w.x.array[self._dofs]
         psi = self._Phi + motion[:, 2] if shell.bending else self._Phi
-        nodes = np.column_stack([self._S, self._R + motion[:, 0], self._Z + motion[:, 1], psi])
-        fields = dx.evaluate(self._fields, shell.mesh, self._elements)
-        S = shell.quadrature_S[self._elements]
-        parts = shell.comm.gather((nodes, S.ravel(), fields.reshape(S.size, -1, 3, 2)))
-        if parts is None:
+        at_nodes = (self._S, self._R + motion[:, 0], self._Z + motion[:, 1], psi)
+        nodes = self._nodes.gather(np.column_stack(at_nodes))
+        at_points = shell.quadrature_S[self._elements].ravel()
+        values = dx.evaluate(self._fields, shell.mesh, self._elements)
+        S = self._points.gather(at_points)
+        fields = self._points.gather(values.reshape(len(at_points), -1, 3, 2))
+        if nodes is None or S is None or fields is None:
             return None
-        nodes, S, fields = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
-        nodes, order = nodes[np.argsort(nodes[:, 0])], np.argsort(S)
-        eps, sigma, eps_g = (np.ascontiguousarray(fields[order, :, i]) for i in range(3))
+        eps, sigma, eps_g = (np.ascontiguousarray(fields[:, :, i]) for i in range(3))
         S_nodes, r, z, psi = np.ascontiguousarray(nodes.T)
         if not shell.bending:  # the tangent of the wall, by differences
             psi = np.unwrap(np.arctan2(*(np.gradient(x, S_nodes, edge_order=2) for x in (z, r))))
-        return Profile(time, S_nodes, r, z, psi, S[order], shell.xi, eps, sigma, eps_g)
+        return Profile(time, S_nodes, r, z, psi, S, shell.xi, eps, sigma, eps_g)

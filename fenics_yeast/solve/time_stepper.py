@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..mechanics import PointValues, Shell, ShellState, Unknowns
+from ..mechanics import DofValues, PointValues, Shell, ShellState
 from .continuation import BorderedNewton
 from .equilibrium import Equilibrium, EquilibriumError
 from .runge_kutta import TABLEAUX, ButcherTableau
@@ -49,12 +49,12 @@ class StepperState:
     """
 
     time: float
-    w: Unknowns
+    w: DofValues
     eps_g: PointValues | None
     rate: PointValues | None
     stiffest: PointValues | None
     recent_times: tuple[float, ...]
-    recent: tuple[Unknowns, ...]
+    recent: tuple[DofValues, ...]
 
 
 @dataclass(frozen=True)

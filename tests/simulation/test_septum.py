@@ -120,7 +120,7 @@ def test_a_state_of_another_wall_is_refused(bud, whole):
         simulate(upper.with_values({"numerics.elements": 20}), state=state)
     with pytest.raises(ValueError, match="thickness_points must be 3"):
         simulate(upper.with_values({"numerics.thickness_points": 5}), state=state)
-    with pytest.raises(ValueError, match="run.end must be later"):
+    with pytest.raises(ValueError, match="must be later than the separation"):
         pieces(bud, 76.0)
     with pytest.raises(ValueError, match="whole cell"):
         pieces(lower, 3.0)
