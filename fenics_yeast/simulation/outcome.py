@@ -50,6 +50,15 @@ def growth_limit_reached(row: Row, softens: bool = True) -> Outcome:
     return Outcome("no-equilibrium", f"no equilibrium {where}: {why}")
 
 
+def growth_unbounded(time: float, row: Row) -> Outcome:
+    """Return the end of a run whose volume becomes infinite at a time in min after a row."""
+    return Outcome(
+        "unbounded",
+        f"growth without bound: the volume becomes infinite at {time:.7g} min "
+        f"(followed to {row.time_min:.5g} min, V/V0 = {row.volume_ratio:.4g})",
+    )
+
+
 def stability_note(rows: Sequence[Row]) -> str:
     """Return the end of a message that says which accepted states are unstable."""
     first = next((i for i, row in enumerate(rows) if not row.stable), None)

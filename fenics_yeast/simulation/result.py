@@ -14,7 +14,7 @@ from .profiles import Profile, Profiles
 
 Array = NDArray[np.float64]
 
-Status = Literal["finished", "no-equilibrium", "failed", "interrupted"]
+Status = Literal["finished", "no-equilibrium", "unbounded", "failed", "interrupted"]
 
 
 @dataclass(frozen=True)

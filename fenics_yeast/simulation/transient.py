@@ -23,10 +23,11 @@ from ..solve import (
     find_limit_pressure,
     same_time,
 )
+from .blow_up import blow_up_time
 from .build import turgor
 from .checkpoint import Checkpoint
 from .history import Row
-from .outcome import Outcome, growth_limit_reached, limit_pressure_exceeded
+from .outcome import Outcome, growth_limit_reached, growth_unbounded, limit_pressure_exceeded
 from .recorder import Recorder
 from .result import Timings
 
@@ -110,6 +111,8 @@ class Transient:
                 if not self._past_limit():
                     if row := self._accept_or_reject(step, end):
                         yield row
+                        if (infinite := blow_up_time(recorder.rows)) is not None:
+                            return growth_unbounded(infinite, row)
                     continue
                 self._stepper.reject()
                 problem, iterations = None, step.iterations

@@ -1,0 +1,60 @@
+"""Growth without bound: an estimate of the time at which the volume becomes infinite."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, log
+
+from scipy.optimize import brentq
+
+from .history import Row
+
+_LARGE = 100.0  # V/V0 below which growth is not examined
+_AGREEMENT = 3e-5  # relative change of the estimated time from step to step
+_STEADY = 0.1  # relative change of the exponent from step to step
+
+
+def blow_up_time(rows: Sequence[Row]) -> float | None:
+    """Return the time t* in min at which the volume of a growing cell becomes infinite.
+
+    Close to it `V ~ (t* - t)^-a`. Three rows determine t* and a, which must agree with those of
+    the rows before; a limit point, where the volume stays finite, gives no steady exponent.
+
+    Parameters
+    ----------
+    rows
+        The history so far.
+
+    Returns
+    -------
+    float or None
+        The time; None as long as the volume is not seen to approach infinity.
+    """
+    if len(rows) < 5 or rows[-1].volume_ratio < _LARGE:
+        return None
+    estimates = [_power_law(rows[i - 2], rows[i - 1], rows[i]) for i in (-3, -2, -1)]
+    times, exponents = zip(*estimates, strict=True)
+    if inf in times:
+        return None
+    spread = max(times) - min(times)
+    steady = max(exponents) < (1 + _STEADY) * min(exponents)
+    return times[-1] if steady and spread < _AGREEMENT * times[-1] else None
+
+
+def _power_law(first: Row, second: Row, third: Row) -> tuple[float, float]:
+    """Return t* and a of `V ~ (t* - t)^-a` through three rows; infinite if there is none."""
+    begin, middle, end = first.time_min, second.time_min, third.time_min
+    early = log(second.volume_um3 / first.volume_um3)
+    late = log(third.volume_um3 / second.volume_um3)
+
+    def mismatch(remaining: float) -> float:
+        """Compare the two exponents, multiplied by both logarithms; zero at `t* - end`."""
+        from_begin = log((remaining + end - begin) / (remaining + end - middle))
+        from_middle = log((remaining + end - middle) / remaining)
+        return from_begin * late - from_middle * early
+
+    least, most = 1e-9 * (end - begin), 1e3 * (end - begin)
+    if early <= 0 or late <= 0 or mismatch(least) * mismatch(most) >= 0:
+        return inf, inf
+    remaining = float(brentq(mismatch, least, most, rtol=1e-12))
+    return end + remaining, late / log((remaining + end - middle) / remaining)
