@@ -44,6 +44,7 @@ except ImportError:  # dolfinx 0.5 describes elements in ufl
     basix_ufl = None
 
 from . import _form_cache
+from .geometry import NEAR
 
 __all__ = [
     "MPI",
@@ -137,7 +138,7 @@ def element_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
 
 def end_tag(mesh: Any, S: float) -> Any:
     """Tag 1 at the end of the mesh with arc length `S`."""
-    tolerance = 1e-9 * max(abs(S), 1.0)
+    tolerance = NEAR * max(abs(S), 1.0)
     vertices = dolfinx.mesh.locate_entities_boundary(
         mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
     )
@@ -154,7 +155,7 @@ def element_vertices(mesh: Any) -> NDArray[np.int32]:
 
 def end_dofs(space: Any, component: int, S: float) -> NDArray[np.int32]:
     """Degrees of freedom of a component of the motion at the end of the mesh at `S`."""
-    tolerance = 1e-9 * max(abs(S), 1.0)
+    tolerance = NEAR * max(abs(S), 1.0)
     vertices = dolfinx.mesh.locate_entities_boundary(
         space.mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
     )

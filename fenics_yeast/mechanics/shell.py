@@ -12,7 +12,7 @@ import ufl
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import Discretisation, End
+from ..geometry import CONSTRAINED, Discretisation
 from . import growth_laws as growth
 from . import hyperelasticity as wall
 from . import kinematics
@@ -26,15 +26,6 @@ Array = NDArray[np.float64]
 
 _ELASTIC, _GROWING = 0, 1
 _AXIAL, _ROTATION = 1, 2
-# Components of (u_r, u_z, β) that are held at an end of the meridian.
-_HELD: dict[End, tuple[int, ...]] = {
-    "pole": (0, 2),
-    "clamped": (0, 1, 2),
-    "hinged": (0, 1),
-    "roller": (1, 2),
-    "axial": (1,),
-    "free": (),
-}
 # Keeps the pivots of the shear force off zero; V/V0 is that of γ = 0 to 10 digits from here on.
 _LARGEST_PENALTY = 1e8
 _NO_VOLUME = 1e-9
@@ -229,7 +220,9 @@ class Shell:
     def _constrain_ends(self) -> None:
         """Hold what regularity asks at the poles, and what the edges' supports take."""
         ends = zip(self.discretisation.ends, self.discretisation.ends_at, strict=True)
-        held = [(i, S) for end, S in ends for i in _HELD[end] if self.bending or i < _ROTATION]
+        held = [
+            (i, S) for end, S in ends for i in CONSTRAINED[end] if self.bending or i < _ROTATION
+        ]
         if all(i != _AXIAL for i, _ in held):
             held.append((_AXIAL, 0.0))  # else a closed cell could move along its axis
         dofs = [(dx.end_dofs(self.space, i, S), dx.motion_part(self.space, i)) for i, S in held]

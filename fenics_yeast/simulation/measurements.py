@@ -9,7 +9,7 @@ import ufl
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import edges
+from ..geometry import NEAR, edges
 from ..mechanics import Shell, WallPoint
 from .profiles import Profile
 
@@ -36,7 +36,7 @@ class Measurements:
         self._S, self._dofs = dx.node_dofs(shell.space)
         self._R, self._Z = curve.radius(self._S), curve.height(self._S)
         self._Phi = curve.angle(self._S)
-        near = 1e-9 * curve.length
+        near = NEAR * curve.length
         bottom, top = (np.abs(self._S - S) < near for S in shell.discretisation.ends_at)
         edge = bud = np.zeros(len(self._S), dtype=bool)
         for zone in growing:
