@@ -11,7 +11,7 @@ from .explain import explain
 
 
 class Table(BaseModel):
-    """A frozen table of a scene that knows its keys and takes no value of another type."""
+    """A frozen table of a scene that refuses unknown keys and values of another type."""
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", strict=True, allow_inf_nan=False, hide_input_in_errors=True
@@ -26,5 +26,5 @@ class Table(BaseModel):
                 problem = explain(type(self), values, error)
                 raise SceneError(f"{type(self).__name__}: {problem}") from None
 
-        # pydantic's mark for an __init__ that adds nothing to validation
+        # marks, for pydantic, an __init__ that adds nothing to validation
         __init__.__pydantic_base_init__ = True
