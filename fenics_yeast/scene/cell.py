@@ -35,7 +35,7 @@ from ..geometry import (
 )
 from .errors import BRANCH, SceneError, refusal
 from .explain import explain
-from .table import Table
+from .table import ListOf, Table
 from .units import LENGTH, Angle, Length
 
 _SHAPE: Any = Field(description="shape of the mid-surface")
@@ -66,14 +66,9 @@ class _Shape(Table):
         return "pole", "pole"
 
     @property
-    def stiff_without_bending(self) -> bool:
-        """Whether a membrane of this shape can carry pressure."""
-        return True
-
-    @property
     def layers(self) -> int:
         """Number of places with a boundary layer: edges, and jumps of the curvature."""
-        return sum(end != "pole" for end in self.ends)
+        return sum(end != "pole" for end in self.ends) + len(self.curve.joints)
 
     @property
     def closed(self) -> bool:
@@ -138,10 +133,6 @@ class CapsuleCell(_Round):
         return length
 
     @property
-    def layers(self) -> int:
-        return 2
-
-    @property
     def curve(self) -> Curve:
         return Capsule(self.radius, self.length - self.diameter)
 
@@ -154,14 +145,12 @@ class ProfileCell(_Shape):
         default=None, description="table with the columns r, z (µm), beside the scene; read once"
     )
     tolerance: Length = Field(
-        default=0.02,
-        ge=0,
-        description="root mean square distance of the points from the curve (µm)",
+        default=0.02, ge=0, description="root mean square distance of points and curve (µm)"
     )
-    r: Annotated[tuple[Length, ...], Field(strict=False)] = Field(
+    r: ListOf[Length] = Field(
         default=(), description="distances of the points from the axis, instead of a file (µm)"
     )
-    z: Annotated[tuple[Length, ...], Field(strict=False)] = Field(
+    z: ListOf[Length] = Field(
         default=(), description="heights of the points, from bottom to top (µm)"
     )
 
@@ -280,10 +269,6 @@ class ConeCell(_Shape):
     @property
     def ends(self) -> tuple[End, End]:
         return self.edge, self.inner_edge
-
-    @property
-    def stiff_without_bending(self) -> bool:
-        return self.height > 0
 
     @property
     def curve(self) -> Curve:

@@ -24,14 +24,8 @@ BRANCH = "as "  # begins the name of a kind of value where a key takes several k
 def refusal(must: str = "", *, reason: str = "", key: str = "") -> PydanticCustomError:
     """Return the error with which a validator refuses a value.
 
-    Parameters
-    ----------
-    must
-        What must hold, in place of the general description of the field.
-    reason
-        What is wrong, said before it.
-    key
-        Dotted key of the value, below the table whose validator raises the error.
+    It says what is wrong (`reason`) and what must hold (`must`, by default what the field says).
+    `key` is the dotted key of the value, below the table whose validator raises the error.
     """
     context = {"must": must, "reason": reason, "key": key}
     return PydanticCustomError("refused", "refused", context)

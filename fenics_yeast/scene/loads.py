@@ -10,19 +10,15 @@ from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator,
 
 from ..geometry import Pole
 from .errors import BRANCH, refusal
-from .table import Table
+from .table import ListOf, Table
 from .units import Force, Length, Pressure, Time
 
 
 class PressureTable(Table):
     """Pressure as a function of time: piecewise linear, constant outside the given times."""
 
-    time: Annotated[tuple[Time, ...], Field(strict=False)] = Field(
-        description="times, increasing, not negative (min)"
-    )
-    value: Annotated[tuple[Pressure, ...], Field(strict=False)] = Field(
-        description="pressure at each of the times (MPa)"
-    )
+    time: ListOf[Time] = Field(description="times, increasing, not negative (min)")
+    value: ListOf[Pressure] = Field(description="pressure at each of the times (MPa)")
 
     @field_validator("time")
     @classmethod

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from .errors import refusal
-from .table import Table
+from .table import ListOf, Table
 from .units import Force, Length, Pressure, Time
 
 
@@ -15,7 +15,7 @@ class Run(Table):
     """Time span of a simulation, and the times whose profiles are saved."""
 
     end: Time = Field(gt=0, description="end of the simulation (min)")
-    save: Annotated[tuple[Time, ...], Field(strict=False)] = Field(
+    save: ListOf[Time] = Field(
         default_factory=lambda given: (given.get("end", 0.0),),
         description="times that are hit exactly and saved, sorted (min); default: the end",
     )

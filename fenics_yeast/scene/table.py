@@ -1,13 +1,17 @@
-"""Base of the tables of a scene."""
+"""Base of the tables of a scene, and the lists in them."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from .errors import SceneError
 from .explain import explain
+
+T = TypeVar("T")
+ListOf = Annotated[tuple[T, ...], Field(strict=False)]
+"""A list in a file, a tuple in a scene."""
 
 
 class Table(BaseModel):

@@ -5,10 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from .errors import BRANCH, refusal
-from .table import Table
+from .table import ListOf, Table
 from .units import Length, Pressure
 from .zone import Zone
 
@@ -44,12 +52,12 @@ class _Wall(Table):
         default=True, description="whether the wall resists bending; false: a membrane"
     )
     energy_per: Literal["reference", "grown"] = Field(
-        default="reference", description="volume per unit of which the energy is given"
+        default="reference", description="volume per unit of which energy is given"
     )
     thickness_change: Literal["none", "elastic"] = Field(
         default="none", description="whether elastic stretch thins the wall"
     )
-    zone: Annotated[tuple[WallZone, ...], Field(strict=False)] = Field(
+    zone: ListOf[WallZone] = Field(
         default=(), description="parts of the wall that differ from the rest"
     )
 
@@ -75,29 +83,25 @@ def _exponent(value: float) -> float:
     return value
 
 
+_Exponent = Annotated[float, AfterValidator(_exponent)]
+
+
 class Wall(_Wall):
     """A wall with the one-term Ogden energy of the paper, equation (9)."""
 
     law: Literal["ogden"] = _LAW
     shear_modulus: Pressure = Field(gt=0, description="shear modulus µ (MPa)")
-    ogden_exponent: float = Field(default=2.0, description="Ogden exponent α, not 0 (1)")
-
-    @field_validator("ogden_exponent")
-    @classmethod
-    def _not_zero(cls, value: float) -> float:
-        return _exponent(value)
+    ogden_exponent: _Exponent = Field(default=2.0, description="Ogden exponent α, not 0 (1)")
 
 
 class OgdenWall(_Wall):
     """A wall with an Ogden energy of several terms."""
 
     law: Literal["ogden"] = _LAW
-    shear_moduli: Annotated[tuple[Pressure, ...], Field(strict=False)] = Field(
+    shear_moduli: ListOf[Pressure] = Field(
         description="modulus of each term; their sum is the shear modulus (MPa)"
     )
-    ogden_exponents: Annotated[tuple[float, ...], Field(strict=False)] = Field(
-        description="Ogden exponent of each term, not 0 (1)"
-    )
+    ogden_exponents: ListOf[_Exponent] = Field(description="Ogden exponent of each term, not 0 (1)")
 
     @field_validator("shear_moduli")
     @classmethod
@@ -114,7 +118,7 @@ class OgdenWall(_Wall):
         moduli = info.data.get("shear_moduli")
         if moduli is not None and len(exponents) != len(moduli):
             raise refusal(f"expected {len(moduli)} exponents, one per modulus")
-        return tuple(map(_exponent, exponents))
+        return exponents
 
     @property
     def shear_modulus(self) -> float:
