@@ -7,16 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import (
-    Discriminator,
-    Field,
-    Tag,
-    TypeAdapter,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from ..geometry import (
@@ -34,7 +25,6 @@ from ..geometry import (
     spheroid,
 )
 from .errors import BRANCH, SceneError, refusal
-from .explain import explain
 from .table import ListOf, Table
 from .units import LENGTH, Angle, Length
 
@@ -160,7 +150,7 @@ class ProfileCell(_Shape):
         """Replace the name of a file by its points, so that the scene needs no other file."""
         if not isinstance(data, Mapping) or not isinstance(data.get("file"), str):
             return data
-        directory = (info.context or {}).get("folder", ".")
+        directory = (info.context or {}).get("directory", ".")
         tolerance = data.get("tolerance", cls.model_fields["tolerance"].default)
         try:
             r, z = read_contour(Path(directory, data["file"]))
@@ -323,8 +313,8 @@ def Cell(**values: Any) -> AnyCell:
     SceneError
         If there is no such shape, or a key is wrong.
     """
+    table: Any = values
     try:
-        return TypeAdapter(_Holder).validate_python({"cell": values}).cell
-    except ValidationError as error:
-        problem = explain(_Holder, {"cell": values}, error).removeprefix("cell.")
-        raise SceneError(f"Cell: {problem}") from None
+        return _Holder(cell=table).cell
+    except SceneError as error:
+        raise SceneError(f"Cell: {str(error).removeprefix('_Holder: cell.')}") from None

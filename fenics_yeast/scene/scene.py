@@ -131,8 +131,6 @@ class Scene(Table):
             text = Path(path).read_bytes().decode("utf-8-sig")
         except FileNotFoundError:
             raise SceneError(f"{source}: no such file; expected a scene file") from None
-        except IsADirectoryError:
-            raise SceneError(f"{source}: is a directory; expected a scene file") from None
         except UnicodeDecodeError as error:
             at = f"byte {error.start + 1}"
             raise SceneError(f"{source}: not UTF-8 at {at}; save the file as UTF-8") from None
@@ -170,7 +168,7 @@ class Scene(Table):
     @classmethod
     def _from_tables(cls, tables: dict[str, Any], source: str) -> Self:
         try:
-            scene = cls.model_validate(tables, context={"folder": Path(source).parent})
+            scene = cls.model_validate(tables, context={"directory": Path(source).parent})
         except ValidationError as error:
             raise SceneError(f"{source}: {explain(cls, tables, error)}") from None
         scene._source = source

@@ -179,7 +179,7 @@ def test_unreadable_files_are_reported_on_one_line(tmp_path):
     loop.symlink_to(loop)
     for path, said in [
         (tmp_path / "none.toml", "no such file"),
-        (tmp_path, "is a directory"),
+        (tmp_path, "cannot be read: Is a directory"),
         (latin / "bud.toml", "cannot be read: Not a directory"),
         (latin, "not UTF-8 at byte 10; save the file as UTF-8"),
         (loop, "cannot be read"),
