@@ -136,9 +136,9 @@ def test_cases_are_the_product_of_the_lists(bud: Scene) -> None:
         ("growth.time=a:b:3", "a range is A:B:N"),
         ("growth.time=30 min:1 h:3", "in one unit"),
         ("growth.tim=30", "did you mean growth.time?"),
-        ("growth.time=45,-3", "growth.time = -3: a time greater than 0"),
-        ("growth.time=1 MPa:2 MPa:2", "a time greater than 0"),
-        ("numerics.elements=10:20:4", "a whole number"),
+        ("growth.time=45,-3", "growth.time = -3: expected a time > 0"),
+        ("growth.time=1 MPa:2 MPa:2", "expected a time > 0"),
+        ("numerics.elements=10:20:4", "expected an integer"),
         ("wall.thickness=1:9:3", "less than the cell's radius"),
     ],
 )
