@@ -13,10 +13,8 @@ from closed_forms import MU, H, P, R, buckling
 from fenics_yeast import Scene, simulate
 from fenics_yeast.geometry.curves import Sphere
 from fenics_yeast.geometry.intervals import Interval
-from fenics_yeast.mechanics import growth_laws
+from fenics_yeast.mechanics import Approximation, Law, Shell, WallProperties, growth_laws
 from fenics_yeast.mechanics import hyperelasticity as wall
-from fenics_yeast.mechanics.laws import Law
-from fenics_yeast.mechanics.shell import Shell
 from fenics_yeast.simulation import Result, Status, build_shell
 from fenics_yeast.simulation.discretise import Discretisation
 from fenics_yeast.solve.equilibrium import Equilibrium
@@ -114,20 +112,23 @@ def two_poles() -> Found:
 
 
 def uneven_mesh() -> Found:
-    """V/V0 at 80 min on 60 cells whose sizes have a ratio of 1000, small and large ones in turn."""
+    """V/V0 at 80 min on 60 elements, alternately small and a thousand times larger."""
     zone = np.tile([1.0, 1000.0], 15)
     rest = np.tile([1000.0, 1.0], 15)
     nodes = np.concatenate([[0], EDGE * np.cumsum(rest) / rest.sum()])
     top = EDGE + (np.pi * R - EDGE) * np.cumsum(zone) / zone.sum()
     zone = (Interval(EDGE, np.pi * R),)
-    cells = Discretisation(Sphere(R), np.concatenate([nodes, top]), (zone,))
+    mesh = Discretisation(Sphere(R), np.concatenate([nodes, top]), (zone,))
     from mpi4py import MPI
 
     law = Law(growth_laws.stress_driven, {"sigma_trs": 1.0, "t_grw": 45.0})
+    energy = Law(wall.ogden, {"mu": MU, "alpha": 2.0})
     shell = Shell(
-        cells, MPI.COMM_WORLD, order=3, thickness_points=3, thickness=H, shear_modulus=MU,
-        shear_penalty=1000.0, energy=Law(wall.ogden, {"mu": MU, "alpha": 2.0}), growth_law=law,
-    )  # fmt: skip
+        mesh,
+        WallProperties(thickness=H, shear_modulus=MU, energy=energy, growth_law=law),
+        Approximation(order=3, thickness_points=3, shear_penalty=1000.0),
+        MPI.COMM_WORLD,
+    )
     unloaded = shell.volume()
     with Equilibrium(shell, 1e-7) as equilibrium:
         evolution = TimeStepper(shell, equilibrium, TABLEAUX["sdirk3"], lambda time: P)

@@ -9,7 +9,7 @@ import ufl
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.figures.run_figures import Curve, volumes
-from fenics_yeast.mechanics.laws import Law
+from fenics_yeast.mechanics import Law
 
 
 def fung(eps_e, c, a):

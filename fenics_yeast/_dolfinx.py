@@ -1,4 +1,4 @@
-"""What differs between versions of dolfinx, told apart by feature; no other module asks.
+"""Differences between versions of dolfinx, detected by feature; only this module knows them.
 
 Known to run: dolfinx 0.5 (Debian 12), 0.9 (Debian 13) and 0.11 (PyPI).
 """
@@ -18,19 +18,20 @@ from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
 from ufl.variable import Label
 
-with contextlib.suppress(ImportError):  # the wheel from PyPI, whose libraries it has to find first
+with contextlib.suppress(ImportError):  # the wheel from PyPI must load its libraries first
     import dolfinx_solver  # noqa: F401
 
 try:
     import basix
     import petsc4py
 
-    petsc4py.init(["-no_signal_handler"])  # a closed pipe or Ctrl-C is ours to answer
+    petsc4py.init(["-no_signal_handler"])  # the command handles closed pipes and Ctrl-C
     import dolfinx.fem.petsc
     import dolfinx.mesh
-    from dolfinx import fem, jit, la
-    from mpi4py import MPI
-    from petsc4py import PETSc
+    from dolfinx import fem as fem
+    from dolfinx import jit, la
+    from mpi4py import MPI as MPI
+    from petsc4py import PETSc as PETSc
 except ImportError as error:
     raise ImportError(
         f"dolfinx cannot be imported ({error}); on Debian: sudo apt install python3-dolfinx, "
@@ -45,57 +46,28 @@ except ImportError:  # dolfinx 0.5 describes elements in ufl
 
 from . import _form_cache
 
-__all__ = [
-    "MPI",
-    "PETSc",
-    "accumulate",
-    "assemble_matrix",
-    "assemble_scalar",
-    "compile_expression",
-    "compile_form",
-    "create_matrix",
-    "dof_array",
-    "element_tags",
-    "element_vertices",
-    "end_dofs",
-    "end_tag",
-    "evaluate",
-    "fem",
-    "interval_mesh",
-    "is_mixed",
-    "membrane_space",
-    "motion_part",
-    "node_dofs",
-    "quadrature_points",
-    "quadrature_space",
-    "shell_space",
-    "size_of",
-    "size_of_second",
-    "unknown_places",
-]
-
 _ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
 _NEW_SPACES = hasattr(fem, "functionspace")
 _NEW_JIT = "jit_options" in signature(fem.form).parameters
 _EVAL_ON_MESH = "mesh" in signature(fem.Expression.eval).parameters
 _JIT = {"cffi_extra_compile_args": ["-O2", "-fno-math-errno"], "cffi_libraries": ["m"]}
 _JIT_KEYWORD = "jit_options" if _NEW_JIT else "jit_params"
-# What fem.form adds to the options, which are part of a form's name in the cache.
+# fem.form adds these options, which are part of a form's name in the cache.
 _SCALAR = {"scalar_type": dolfinx.default_scalar_type} if _NEW_JIT else {}
-_COMPILERS = ("cffi", "distutils", "setuptools")  # whose errors are no errors of a form
+_COMPILERS = ("cffi", "distutils", "setuptools")  # their errors concern the compiler, not the form
 
 T = TypeVar("T")
 
 
 def interval_mesh(comm: Any, nodes: NDArray[np.float64]) -> Any:
-    """Interval mesh with the given increasing vertex coordinates, shape ``(n + 1,)``."""
+    """Return an interval mesh with increasing vertex coordinates, shape ``(n + 1,)``."""
     n = len(nodes) - 1
     mesh = dolfinx.mesh.create_interval(comm, n, [0.0, float(n)])
     mesh.geometry.x[:, 0] = nodes[np.rint(mesh.geometry.x[:, 0]).astype(int)]
     domain = mesh.ufl_domain()
     if hasattr(domain, "_ufl_coordinate_element") and basix_ufl is None:
-        # Else the first compilation of a process changes the element, and with it the
-        # signatures of later forms: nothing would be found in the cache.
+        # Otherwise the first compilation of a process changes the element and the signatures
+        # of later forms, so that none would be found in the cache.
         domain._ufl_coordinate_element = ufl.VectorElement(
             "Lagrange", domain.ufl_cell(), 1, variant="equispaced", dim=1
         )
@@ -109,7 +81,7 @@ def _space(mesh: Any, element: Any) -> Any:
 
 
 def shell_space(mesh: Any, order: int) -> Any:
-    """Mixed space of ``(u_r, u_z, β)``, continuous, and of ``Q``, discontinuous."""
+    """Return the mixed space of continuous ``(u_r, u_z, β)`` and discontinuous ``Q``."""
     if basix_ufl is not None:
         cell = mesh.basix_cell()
         motion = basix_ufl.element("Lagrange", cell, order, shape=(3,))
@@ -122,7 +94,7 @@ def shell_space(mesh: Any, order: int) -> Any:
 
 
 def membrane_space(mesh: Any, order: int) -> Any:
-    """Space of ``(u_r, u_z)``, continuous."""
+    """Return the continuous space of ``(u_r, u_z)``."""
     if basix_ufl is not None:
         element = basix_ufl.element("Lagrange", mesh.basix_cell(), order, shape=(2,))
         return _space(mesh, element)
@@ -130,13 +102,13 @@ def membrane_space(mesh: Any, order: int) -> Any:
 
 
 def element_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
-    """Tags of all local cells, ghosts among them."""
-    cells = np.arange(len(values), dtype=np.int32)
-    return dolfinx.mesh.meshtags(mesh, mesh.topology.dim, cells, values)
+    """Return tags of all local elements, ghosts among them."""
+    elements = np.arange(len(values), dtype=np.int32)
+    return dolfinx.mesh.meshtags(mesh, mesh.topology.dim, elements, values)
 
 
 def end_tag(mesh: Any, S: float) -> Any:
-    """Tag 1 at the end of the mesh with arc length `S`."""
+    """Return the tag 1 at the end of the mesh at arc length `S`."""
     tolerance = 1e-9 * max(abs(S), 1.0)
     vertices = dolfinx.mesh.locate_entities_boundary(
         mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
@@ -146,14 +118,14 @@ def end_tag(mesh: Any, S: float) -> Any:
 
 
 def element_vertices(mesh: Any) -> NDArray[np.int32]:
-    """Indices of the two ends of each local cell in the geometry, shape ``(cells, 2)``."""
+    """Return the geometry indices of each local element's ends, shape ``(elements, 2)``."""
     geometry = mesh.geometry
     dofmap = geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
     return np.asarray(getattr(dofmap, "array", dofmap)).reshape(-1, 2)
 
 
 def end_dofs(space: Any, component: int, S: float) -> NDArray[np.int32]:
-    """Degrees of freedom of a component of the motion at the end of the mesh at `S`."""
+    """Return the DOFs of a component of the motion at the end of the mesh at `S`."""
     tolerance = 1e-9 * max(abs(S), 1.0)
     vertices = dolfinx.mesh.locate_entities_boundary(
         space.mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
@@ -162,15 +134,12 @@ def end_dofs(space: Any, component: int, S: float) -> NDArray[np.int32]:
 
 
 def motion_part(space: Any, component: int) -> Any:
-    """Sub-space of a component of the motion."""
+    """Return the sub-space of a component of the motion."""
     return space.sub(0).sub(component) if is_mixed(space) else space.sub(component)
 
 
 def node_dofs(space: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Arc length of the owned nodes and the dofs of their motion, shape ``(n, 3)`` or ``(n, 2)``.
-
-    The motion is the first sub-space of a mixed space, or the whole of another one.
-    """
+    """Return arc length of the owned nodes and DOFs of their motion, ``(n, 3)`` or ``(n, 2)``."""
     motion, dofs = _part(space, 0)
     owned, size = motion.dofmap.index_map.size_local, motion.dofmap.index_map_bs
     S = motion.tabulate_dof_coordinates()[:owned, 0]
@@ -178,10 +147,7 @@ def node_dofs(space: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
 
 
 def _part(space: Any, i: int) -> tuple[Any, NDArray[np.int32]]:
-    """Sub-space as a space of its own, and where its local unknowns lie in the whole.
-
-    The only part of a space that is not mixed is the space itself.
-    """
+    """Return a sub-space, or the space itself if not mixed, and its local DOFs in the whole."""
     if not is_mixed(space):
         return space, np.arange(_local_size(space), dtype=np.int32)
     part, places = space.sub(i).collapse()
@@ -194,14 +160,14 @@ def _local_size(space: Any) -> int:
 
 
 def is_mixed(space: Any) -> bool:
-    """Whether a space has sub-spaces of different kinds, not only the components of a vector."""
+    """Return whether a space has sub-spaces of different kinds, not only vector components."""
     return space.dofmap.index_map_bs == 1
 
 
-def unknown_places(space: Any) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-    """Component and arc length of each local unknown of a wall, ghosts among them.
+def dof_places(space: Any) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+    """Return component and arc length of each local DOF of a wall, ghosts among them.
 
-    Unknowns of the discontinuous second sub-space are placed inside of their cells.
+    DOFs of the discontinuous second sub-space get places inside their elements.
     """
     components = np.zeros(_local_size(space), dtype=np.int32)
     places = np.zeros(len(components))
@@ -212,26 +178,26 @@ def unknown_places(space: Any) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
     if not is_mixed(space):
         return components, places
     shear, dofs = _part(space, 1)
-    of_cell = dof_array(shear)
-    S = shear.tabulate_dof_coordinates()[:, 0][of_cell]
+    of_element = dof_array(shear)
+    S = shear.tabulate_dof_coordinates()[:, 0][of_element]
     middle = space.mesh.geometry.x[element_vertices(space.mesh), 0].mean(axis=1, keepdims=True)
-    of_cell = dofs[of_cell]
-    components[of_cell], places[of_cell] = 3, (S + middle) / 2
+    of_element = dofs[of_element]
+    components[of_element], places[of_element] = 3, (S + middle) / 2
     return components, places
 
 
 def size_of_second(space: Any) -> int:
-    """Number of degrees of freedom of the second sub-space on all ranks; 0 where not mixed."""
+    """Return the number of DOFs of the second sub-space on all ranks; 0 if not mixed."""
     return size_of(_part(space, 1)[0]) if is_mixed(space) else 0
 
 
 def size_of(space: Any) -> int:
-    """Number of degrees of freedom on all ranks."""
+    """Return the number of DOFs on all ranks."""
     return int(space.dofmap.index_map.size_global * space.dofmap.index_map_bs)
 
 
 def quadrature_space(mesh: Any, size: int, degree: int) -> Any:
-    """Vectors of ``size`` numbers at each quadrature point of the given degree."""
+    """Return the space of vectors of a size at the quadrature points of a degree."""
     if basix_ufl is not None:
         element = basix_ufl.quadrature_element(
             mesh.basix_cell(), value_shape=(size,), degree=degree
@@ -244,14 +210,14 @@ def quadrature_space(mesh: Any, size: int, degree: int) -> Any:
 
 
 def quadrature_points(degree: int) -> NDArray[np.float64]:
-    """Points of the default rule on the reference interval, shape ``(n, 1)``."""
+    """Return the points of the default rule on the reference interval, shape ``(n, 1)``."""
     points, _ = basix.make_quadrature(basix.CellType.interval, degree)
     return np.asarray(points)
 
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Hold back the compiler's own lines; it sets the root logger up to show them all."""
+    """Suppress the compiler's own lines; it sets the root logger to show them."""
     root = logging.getLogger()
     level, disabled = root.level, root.manager.disable
     logging.disable(max(disabled, logging.INFO))
@@ -263,7 +229,7 @@ def _quiet() -> Iterator[None]:
 
 
 def _compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
-    """What `make` compiles from a source, on all ranks of a communicator."""
+    """Compile a source by `make`, on all ranks of a communicator."""
     place = comm.bcast(_form_cache.folder() if comm.rank == 0 else None)
     options = {_JIT_KEYWORD: {**_JIT, "cache_dir": place}}
     try:
@@ -271,8 +237,8 @@ def _compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
             if comm.size == 1:
                 with _form_cache.held(place):
                     return make(**options)
-            # Rank 0 compiles alone: who holds the lock must not wait for ranks that want it.
-            # What fails there fails again in `make`, on all ranks.
+            # Only rank 0 compiles: the lock's owner must not wait for ranks that need the lock.
+            # An error there occurs again in `make`, on all ranks.
             if comm.rank == 0:
                 with contextlib.suppress(Exception), _form_cache.held(place):
                     jit.ffcx_jit(MPI.COMM_SELF, source, _SCALAR, options[_JIT_KEYWORD])
@@ -285,16 +251,16 @@ def _compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
 
 
 def compile_form(form: Any) -> Any:
-    """Compiled form."""
+    """Compile a form."""
     comm = form.ufl_domain().ufl_cargo().comm
     return _compiled(comm, form, lambda **jit: fem.form(form, **jit))
 
 
 class _NumberedLabels(MultiFunction):
-    """Numbers the labels of variables as they are met.
+    """Number the labels of variables in order of appearance.
 
-    Newer releases of UFL count them over the process, and have the count in an expression's
-    signature: nothing would be found in the cache.
+    Newer releases of UFL count them over the process and include the count in signatures, so
+    that no expression would be found in the cache.
     """
 
     def __init__(self) -> None:
@@ -311,46 +277,46 @@ class _NumberedLabels(MultiFunction):
 
 
 def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
-    """Compiled expression at points of the reference interval."""
+    """Compile an expression at points of the reference interval."""
     expression = map_expr_dag(_NumberedLabels(), expression)
     comm = expression.ufl_domain().ufl_cargo().comm
     make = fem.Expression
     return _compiled(comm, (expression, points), lambda **jit: make(expression, points, **jit))
 
 
-def evaluate(expression: Any, mesh: Any, cells: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Values of a compiled expression, point after point, shape ``(len(cells), points size)``."""
-    values = np.asarray(expression.eval(*([mesh] if _EVAL_ON_MESH else []), cells))
-    return values.reshape(len(cells), np.prod(values.shape[1:], dtype=int))  # also of no cells
+def evaluate(expression: Any, mesh: Any, elements: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Evaluate a compiled expression point by point, shape ``(elements, points size)``."""
+    values = np.asarray(expression.eval(*([mesh] if _EVAL_ON_MESH else []), elements))
+    return values.reshape(len(elements), np.prod(values.shape[1:], dtype=int))  # or none
 
 
 def dof_array(space: Any) -> NDArray[np.int32]:
-    """Unrolled local degrees of freedom of each cell, shape ``(cells, dofs of a cell)``."""
+    """Return the unrolled local DOFs of each element, shape ``(elements, DOFs)``."""
     dofmap = space.dofmap
     blocks = getattr(dofmap.list, "array", dofmap.list)
-    cells = space.mesh.topology.index_map(space.mesh.topology.dim)
-    blocks = np.asarray(blocks).reshape(cells.size_local + cells.num_ghosts, -1)
+    elements = space.mesh.topology.index_map(space.mesh.topology.dim)
+    blocks = np.asarray(blocks).reshape(elements.size_local + elements.num_ghosts, -1)
     size = dofmap.bs
     return (blocks[:, :, None] * size + np.arange(size)).reshape(len(blocks), -1)
 
 
 def accumulate(function: Any) -> None:
-    """Add what the ranks assembled into ghosts to its owners."""
+    """Add the contributions assembled into ghosts to their owners."""
     function.x.scatter_reverse(_ADD)
 
 
 def create_matrix(form: Any) -> Any:
-    """PETSc matrix with the sparsity of a compiled bilinear form."""
+    """Return a PETSc matrix with the sparsity of a compiled bilinear form."""
     return dolfinx.fem.petsc.create_matrix(form)
 
 
 def assemble_matrix(matrix: Any, form: Any, conditions: Sequence[Any]) -> None:
-    """Assemble a compiled bilinear form; constrained rows and columns become unit ones."""
+    """Assemble a compiled bilinear form; constrained rows and columns become those of 1."""
     matrix.zeroEntries()
     dolfinx.fem.petsc.assemble_matrix(matrix, form, conditions)
     matrix.assemble()
 
 
 def assemble_scalar(form: Any, comm: Any) -> float:
-    """Value of a compiled functional, summed over the ranks."""
+    """Assemble a compiled functional, summed over the ranks."""
     return float(comm.allreduce(fem.assemble_scalar(form), op=MPI.SUM))

@@ -1,8 +1,8 @@
-"""The folder of compiled forms, which killed and simultaneous processes leave in order.
+"""The directory of compiled forms, safe for killed and simultaneous processes.
 
-FFCx marks what it compiles with an empty C file and waits for whoever left one, who may be dead.
-Here one process compiles at a time, under a lock that ends with it, in a folder of our own: what
-is unfinished while the lock is held has no owner any more, and is compiled anew.
+FFCx marks a compilation by an empty C file and waits for the process that left it, which may be
+dead. Here one process compiles at a time, under a lock that ends with it, in a directory of our
+own: anything unfinished while the lock is held was abandoned, and is compiled again.
 """
 
 from __future__ import annotations
@@ -23,33 +23,33 @@ _LOCK = "lock"
 
 
 class CompilerError(RuntimeError):
-    """Forms cannot be compiled on this machine; the message is a line that says what to do."""
+    """Forms cannot be compiled on this machine; the one-line message says what to do."""
 
 
 @cache
 def folder() -> Path:
-    """Folder for this Python and machine, or a temporary one if that cannot be used."""
+    """Return the directory for this Python and machine, or a temporary one if it is unusable."""
     try:
         base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
         place = Path(base, "fenics-yeast", f"forms-{sysconfig.get_config_var('SOABI')}").absolute()
         place.mkdir(parents=True, exist_ok=True)
         if place.stat().st_uid != os.geteuid():  # code is loaded from it
-            raise PermissionError(0, "it belongs to someone else")
+            raise PermissionError(0, "it belongs to another user")
         with open(place / _LOCK, "a"):
             return place
-    except (OSError, RuntimeError) as error:  # RuntimeError: there is no home
+    except (OSError, RuntimeError) as error:  # RuntimeError: no home directory
         problem = getattr(error, "strerror", None) or str(error)
     place = temporary("forms")
     print(
-        "warning: compiled forms are kept for this run only, since the cache folder cannot be "
-        f"used ({problem}); XDG_CACHE_HOME may name another",
+        "warning: compiled forms are kept only for this run, because the cache directory cannot "
+        f"be used ({problem}); set XDG_CACHE_HOME to another",
         file=sys.stderr,
     )
     return place
 
 
 def temporary(name: str) -> Path:
-    """Folder of this process and user alone, from which code is loaded, removed at its end."""
+    """Return a directory private to this process and user, removed at its end."""
     place = Path(tempfile.mkdtemp(prefix=f"fenics-yeast-{name}-"))
     atexit.register(shutil.rmtree, place, ignore_errors=True)
     return place
@@ -57,7 +57,7 @@ def temporary(name: str) -> Path:
 
 @contextmanager
 def held(place: Path) -> Iterator[None]:
-    """Hold the lock of a folder; nothing in it is half-compiled then."""
+    """Hold the lock of a directory; remove unfinished compilations."""
     with open(place / _LOCK, "a") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX)  # ends with the process, however that ends
@@ -79,7 +79,7 @@ def _remove_unfinished(place: Path) -> None:
 
 
 def compiler_error(place: Path, error: Exception) -> CompilerError:
-    """What a compilation in a folder ended in, and what to do about it."""
+    """Return an error that says why a compilation failed and what to do."""
     compiler = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
     if shutil.which(compiler) is None:
         text = f"the C compiler {compiler}, which FEniCSx needs at run time, cannot be found"

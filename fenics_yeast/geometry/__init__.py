@@ -9,9 +9,10 @@ from .contour import ContourError, read_contour, smooth_contour
 from .curves import Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
 from .intervals import NEAR, Interval, Intervals, apart, edges, merged, neck, polar_extent, within
 from .mesh import Discretisation, place_nodes
-from .supports import Edge, End, Pole
+from .supports import CONSTRAINED, Edge, End, Pole
 
 __all__ = [
+    "CONSTRAINED",
     "NEAR",
     "Cap",
     "Capsule",

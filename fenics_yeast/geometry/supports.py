@@ -1,4 +1,4 @@
-"""Ends of a meridian: poles, free edges, and edges that are held in one way or another."""
+"""Ends of a meridian: poles, free edges and supported edges, and what each constrains."""
 
 from __future__ import annotations
 
@@ -7,3 +7,13 @@ from typing import Literal
 Edge = Literal["clamped", "hinged", "roller", "axial"]
 End = Literal["pole", "clamped", "hinged", "roller", "axial", "free"]
 Pole = Literal["top", "bottom"]
+
+CONSTRAINED: dict[End, tuple[int, ...]] = {
+    "pole": (0, 2),
+    "clamped": (0, 1, 2),
+    "hinged": (0, 1),
+    "roller": (1, 2),
+    "axial": (1,),
+    "free": (),
+}
+"""Components of `(u_r, u_z, β)` that vanish at an end; at a pole by regularity."""

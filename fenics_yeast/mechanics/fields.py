@@ -1,4 +1,4 @@
-"""Numbers at the quadrature points of some cells, taken from a compiled expression."""
+"""Fields at quadrature points, evaluated from a compiled expression."""
 
 from __future__ import annotations
 
@@ -12,29 +12,31 @@ from .. import _dolfinx as dx
 
 
 class PointField:
-    """A quadrature function whose values an expression gives; zero on all other cells.
+    """A quadrature function with the values of an expression; zero on all other elements.
 
     Parameters
     ----------
     mesh
         Interval mesh of the wall.
-    cells
-        Local cells on which it has values, ghosts among them.
+    elements
+        Local elements on which it has values, ghosts among them.
     degree
         Degree of the quadrature rule.
     values
         Scalars in UFL.
     """
 
-    def __init__(self, mesh: Any, cells: NDArray[np.int32], degree: int, values: list[Any]) -> None:
+    def __init__(
+        self, mesh: Any, elements: NDArray[np.int32], degree: int, values: list[Any]
+    ) -> None:
         space = dx.quadrature_space(mesh, len(values), degree)
         self.function = dx.fem.Function(space)
         self._values = self.function.x.array
-        self._dofs = dx.dof_array(space)[cells]
-        self._mesh, self._cells = mesh, cells
+        self._dofs = dx.dof_array(space)[elements]
+        self._mesh, self._elements = mesh, elements
         points = dx.quadrature_points(degree)
         self._expression = dx.compile_expression(ufl.as_vector(values), points)
 
     def update(self) -> None:
-        """Bring the values up to what the expression now gives."""
-        self._values[self._dofs] = dx.evaluate(self._expression, self._mesh, self._cells)
+        """Evaluate the expression in the trial state."""
+        self._values[self._dofs] = dx.evaluate(self._expression, self._mesh, self._elements)

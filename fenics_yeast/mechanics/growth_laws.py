@@ -1,4 +1,4 @@
-"""Growth laws, equations (12) and (13): the rate of the growth strain at a point of the wall.
+"""Growth laws, equations (12) and (13) of the paper.
 
 A growth rate is a function of a `WallPoint` and returns the rates of `(ε1^g, ε2^g)` in 1/min,
 a UFL vector of two components.
@@ -16,7 +16,7 @@ _TINY = 1e-24
 
 
 class WallPoint(NamedTuple):
-    """What a growth law may read at a point of the wall; UFL vectors of two components.
+    """State of the wall at a point, which a growth law may read; UFL vectors of two components.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class WallPoint(NamedTuple):
     eps_g
         Growth part of the logarithmic strains.
     eps_3
-        Logarithmic strain through the wall; None where `λ3 = 1`.
+        Logarithmic strain through the wall; None for constant thickness, `λ3 = 1`.
     """
 
     tau: Any
@@ -37,7 +37,7 @@ class WallPoint(NamedTuple):
 
     @property
     def J(self) -> Any:
-        """Jacobian `λ1 λ2 λ3` of the deformation."""
+        """The Jacobian `J = λ1 λ2 λ3` of the deformation."""
         if self.eps_3 is None:
             return ufl.exp(self.eps[0] + self.eps[1])
         return ufl.exp(self.eps[0] + self.eps[1] + self.eps_3)
@@ -46,13 +46,18 @@ class WallPoint(NamedTuple):
 GrowthRate = Callable[[WallPoint], Any]
 
 
+def dissipation(point: WallPoint, rate: Any) -> Any:
+    """Return the dissipation `τ · dε^g/dt` per unit reference volume in MPa/min: equation (12)."""
+    return ufl.dot(point.tau, rate)
+
+
 def norm(tau: Any) -> Any:
-    """`‖τ‖ = sqrt(τ1² + τ2²)`."""
+    """Return `‖τ‖ = sqrt(τ1² + τ2²)`."""
     return ufl.sqrt(tau[0] ** 2 + tau[1] ** 2 + _TINY)
 
 
 def stress_driven(point: WallPoint, sigma_trs: Any, t_grw: Any, of_stress: Any = 1) -> Any:
-    """Growth in the direction of the stress, by its excess over a threshold: equation (13).
+    """Return the rate of growth along the stress, driven by its excess over a threshold: (13).
 
     Parameters
     ----------
@@ -61,7 +66,7 @@ def stress_driven(point: WallPoint, sigma_trs: Any, t_grw: Any, of_stress: Any =
     sigma_trs
         Threshold of the true stress in MPa.
     t_grw
-        Characteristic time in min.
+        Characteristic growth time in min.
     of_stress
         Weight of polarised growth, by which the threshold is divided.
     """
@@ -71,14 +76,9 @@ def stress_driven(point: WallPoint, sigma_trs: Any, t_grw: Any, of_stress: Any =
 
 
 def weighted(rate: Callable[..., Any]) -> Callable[..., Any]:
-    """Growth rate multiplied by a weight of polarised growth, its new parameter `of_rate`."""
+    """Return a growth rate multiplied by a weight of polarised growth, its parameter `of_rate`."""
 
     def product(point: WallPoint, of_rate: Any, **parameters: Any) -> Any:
         return of_rate * rate(point, **parameters)
 
     return product
-
-
-def dissipation(point: WallPoint, rate: Any) -> Any:
-    """Reduced dissipation per unit reference volume: equation (12), in MPa/min."""
-    return ufl.dot(point.tau, rate)

@@ -1,10 +1,10 @@
-"""Growth strains of the growing cells: their storage, their rate, and the implicit update.
+"""Growth strains of the growing elements: storage, rate and implicit update.
 
-An implicit stage of a time step asks at every point for the growth strain of
+An implicit stage of a time step solves at every point
 
     ε^g = base + stage · rate(τ(ε - ε^g), ε, ε^g)
 
-The update, its consistent derivative and the rate are compiled from one growth law in UFL.
+for `ε^g`. The update, its consistent derivative and the rate are compiled from one law in UFL.
 """
 
 from __future__ import annotations
@@ -23,44 +23,44 @@ from .growth_weights import WeightField
 
 Array = NDArray[np.float64]
 
-_STILL = 1e-6  # a change of the growth strain after which Newton's method leaves its square
+_CONVERGED = 1e-6  # change of growth strain, whose square the quadratic iteration leaves
 _MOST_ITERATIONS = 60
-_PATIENCE = 6  # full steps between two halved ones
+_HALVING = 6  # period of halved steps
 
 
 class GrowthState:
-    """Growth strains at the quadrature points of the growing cells.
+    """Growth strains at the quadrature points of the growing elements.
 
     Parameters
     ----------
     mesh
         Interval mesh of the wall.
-    cells
-        Local growing cells, ghosts among them; those of no other cell are touched.
+    elements
+        Local growing elements, ghosts among them.
     degree
         Degree of the quadrature rule of the wall.
     eps
-        Total logarithmic strains at each thickness point, UFL vectors.
+        Logarithmic strains at each through-thickness integration point, UFL vectors.
     material, growth_rate
-        Material of the wall and rate of growth.
+        Material of the wall; growth rate.
     weights
-        Weights that the rate holds.
+        Weights in the growth rate.
 
     Attributes
     ----------
     eps_g, base
-        Trial growth strains and those without the implicit part of the stage, quadrature
-        functions of ``2 len(eps)`` numbers.
+        Trial growth strains, and growth strains without the implicit part of the stage:
+        quadrature functions of ``2 len(eps)`` numbers.
     stage
         Length in min of the implicit part of the stage, `a Δt`.
     span
-        Times in min between which growth is as it is now.
+        Times in min of the interval that the weights are set for.
     """
 
     def __init__(
         self,
         mesh: Any,
-        cells: NDArray[np.int32],
+        elements: NDArray[np.int32],
         degree: int,
         eps: Sequence[Any],
         material: wall.Material,
@@ -72,8 +72,8 @@ class GrowthState:
         self._trial, self._base = self.eps_g.x.array, self.base.x.array
         self.stage = dx.fem.Constant(mesh, np.float64(0))
         self.span = (0.0, 0.0)
-        self._mesh, self._cells, self._weights = mesh, cells, weights
-        self._dofs = dx.dof_array(space)[cells]
+        self._mesh, self._elements, self._weights = mesh, elements, weights
+        self._dofs = dx.dof_array(space)[elements]
 
         self.points: list[growth.WallPoint] = []
         self.rates: list[Any] = []
@@ -99,63 +99,63 @@ class GrowthState:
         self._rate = dx.compile_expression(_flatten(self.rates), points)
 
     def strain(self, j: int) -> Any:
-        """Trial growth strains at thickness point j, a UFL vector."""
+        """Return the trial growth strains at integration point j, a UFL vector."""
         return ufl.as_vector([self.eps_g[2 * j], self.eps_g[2 * j + 1]])
 
     def get(self) -> Array:
-        """Copy of the trial growth strains of the growing cells, ``(cells, 2 n points)``."""
+        """Return a copy of the trial growth strains, shape ``(elements, 2 n points)``."""
         return self._trial[self._dofs]
 
     def set(self, values: Array) -> None:
-        """Set the trial growth strains of the growing cells."""
+        """Set the trial growth strains."""
         self._trial[self._dofs] = values
 
     def get_base(self) -> Array:
-        """Copy of the growth strains from which the implicit part of a stage starts."""
+        """Return a copy of the growth strains without the implicit part of the stage."""
         return self._base[self._dofs]
 
     def set_base(self, values: Array) -> None:
-        """Set the growth strains from which the implicit part of a stage starts."""
+        """Set the growth strains without the implicit part of the stage."""
         self._base[self._dofs] = values
 
     def set_interval(self, start: float, end: float) -> None:
-        """Let growth be as between two times in min; at one time, as right after it."""
+        """Set the weights of an interval in min or, at equal times, of just after."""
         self.span = (start, end)
         for weight in self._weights:
             weight.set_interval(start, end)
 
     def rate(self) -> Array:
-        """Rate of the growth strains in the trial state, 1/min, in the layout of `get`."""
+        """Return the growth rate in the trial state in 1/min, shaped like `get`."""
         self.update_weights()
         return self._evaluate(self._rate)
 
     def update(self) -> bool:
-        """Solve the stage equation at every point for the trial strains; False if it fails."""
+        """Solve the stage equation at every point; return False if that fails."""
         self.update_weights()
         current = start = self.get()
         for iteration in range(_MOST_ITERATIONS):
             following = self._evaluate(self._newton_step)
             change = np.abs(following - current).max(initial=0.0)
-            if change < _STILL:
+            if change < _CONVERGED:
                 self.set(following)
                 return True
             if not np.isfinite(change):
                 break
-            if iteration % _PATIENCE == _PATIENCE - 1:
-                # At the threshold full steps can go to and fro between its two sides.
+            if iteration % _HALVING == _HALVING - 1:
+                # At the threshold full steps can alternate between its two sides.
                 following = (following + current) / 2
             self.set(following)
             current = following
-        self.set(start)  # from which a smaller change of the strain may be followed
+        self.set(start)  # a smaller change of strain may converge from it
         return False
 
     def update_weights(self) -> None:
-        """Bring weights that follow the wall up to the trial state."""
+        """Update weights that follow the tip to the trial state."""
         for weight in self._weights:
             weight.update()
 
     def _evaluate(self, expression: Any) -> Array:
-        return dx.evaluate(expression, self._mesh, self._cells)
+        return dx.evaluate(expression, self._mesh, self._elements)
 
 
 def _flatten(vectors: Sequence[Any]) -> Any:

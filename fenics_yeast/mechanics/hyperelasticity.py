@@ -1,8 +1,8 @@
-"""Strain energies of the wall, equations (8) to (11): functions of the elastic strain alone.
+"""Stress and strain energy of the wall, equations (8) to (11) of the paper.
 
 A strain energy is a function of the principal elastic logarithmic strains, a UFL vector
-`(ε1^e, ε2^e)`, and returns the energy per unit reference volume in MPa. Stresses and tangents
-come from it by UFL differentiation.
+`(ε1^e, ε2^e)`, and returns the energy per unit reference volume in MPa. UFL differentiates it to
+give stresses and tangents.
 """
 
 from __future__ import annotations
@@ -13,13 +13,22 @@ from typing import Any
 
 import ufl
 
-from . import kinematics
+from .growth_strains import elastic_strain, logarithmic_strain
 
 StrainEnergy = Callable[[Any], Any]
 
 
+def kirchhoff_stress(psi: StrainEnergy, eps_e: Any) -> Any:
+    """Return the principal Kirchhoff stresses `τ_i = ∂ψ/∂ε_i^e`: equations (8) and (10).
+
+    For `ogden`, UFL's differentiation gives equation (11).
+    """
+    eps_e = ufl.variable(eps_e)
+    return ufl.diff(psi(eps_e), eps_e)
+
+
 def ogden(eps_e: Any, mu: Any, alpha: Any) -> Any:
-    """Incompressible one-term Ogden energy in plane stress: equation (9) with `J^e = 1`.
+    """Return the incompressible one-term Ogden energy in plane stress: equation (9).
 
     Parameters
     ----------
@@ -28,7 +37,7 @@ def ogden(eps_e: Any, mu: Any, alpha: Any) -> Any:
     mu
         Shear modulus μ in MPa.
     alpha
-        Exponent α, any number but zero; 2 is the neo-Hookean wall.
+        Exponent α, not zero; 2 gives the neo-Hookean wall.
     """
     lambda_1 = ufl.exp(alpha * eps_e[0])
     lambda_2 = ufl.exp(alpha * eps_e[1])
@@ -37,13 +46,13 @@ def ogden(eps_e: Any, mu: Any, alpha: Any) -> Any:
 
 
 def ogden_sum(eps_e: Any, **terms: Any) -> Any:
-    """Sum of one-term Ogden energies, of moduli `mu_0, mu_1, ...` and exponents `alpha_0, ...`."""
+    """Return the sum of Ogden energies with moduli `mu_0, mu_1, …` and exponents `alpha_0, …`."""
     pairs = [(terms[f"mu_{i}"], terms[f"alpha_{i}"]) for i in range(len(terms) // 2)]
     return sum(ogden(eps_e, mu, alpha) for mu, alpha in pairs)
 
 
-def linear(eps_e: Any, young: Any, poisson: Any) -> Any:
-    """Energy of St Venant and Kirchhoff in plane stress, quadratic in Green and Lagrange's strain.
+def saint_venant_kirchhoff(eps_e: Any, young: Any, poisson: Any) -> Any:
+    """Return the Saint Venant-Kirchhoff energy in plane stress, quadratic in Green-Lagrange strain.
 
     Parameters
     ----------
@@ -57,39 +66,39 @@ def linear(eps_e: Any, young: Any, poisson: Any) -> Any:
 
 
 def scaled(psi: StrainEnergy, factor: Any) -> StrainEnergy:
-    """Strain energy of a wall whose moduli are multiplied by a factor."""
+    """Return a strain energy with its moduli multiplied by a factor."""
     return lambda eps_e: factor * psi(eps_e)
 
 
 def incompressible_thinning(eps_e: Any) -> Any:
-    """Logarithmic strain `ε3^e` through an incompressible wall."""
+    """Return the logarithmic strain `ε3^e` through an incompressible wall."""
     return -(eps_e[0] + eps_e[1])
 
 
 def saint_venant_kirchhoff_thinning(eps_e: Any, poisson: Any) -> Any:
-    """Logarithmic strain `ε3^e` through a wall of St Venant and Kirchhoff in plane stress."""
+    """Return the strain `ε3^e` through a Saint Venant-Kirchhoff wall in plane stress."""
     E3 = -poisson / (1 - poisson) * (_green(eps_e[0]) + _green(eps_e[1]))
-    return kinematics.logarithmic(E3)
+    return logarithmic_strain(E3)
 
 
 def _green(eps: Any) -> Any:
-    """Green and Lagrange's strain of a logarithmic one."""
+    """Return the Green-Lagrange strain of a logarithmic one."""
     return (ufl.exp(2 * eps) - 1) / 2
 
 
 @dataclass(frozen=True)
 class Material:
-    """What the wall is made of.
+    """The material of the wall.
 
     Attributes
     ----------
     psi
         Strain energy.
     per_grown
-        Whether that is per volume of the grown wall; else per volume of the reference wall.
+        Whether energy is per unit grown volume; otherwise it is per unit reference volume.
     thinning
-        Logarithmic strain `ε3^e` through the wall, a function of the elastic strains; None where
-        the wall keeps its thickness.
+        Strain `ε3^e` through the wall, a function of the elastic strains; None for constant
+        thickness.
     """
 
     psi: StrainEnergy
@@ -97,23 +106,17 @@ class Material:
     thinning: StrainEnergy | None = None
 
     def energy(self, eps: Any, eps_g: Any = None) -> Any:
-        """Energy per reference volume of total and growth strains; None: nothing has grown."""
+        """Return the energy per unit reference volume of total and growth strains, if any."""
         if eps_g is None:
             return self.psi(eps)
-        energy = self.psi(kinematics.elastic(eps, eps_g))
+        energy = self.psi(elastic_strain(eps, eps_g))
         return energy * ufl.exp(eps_g[0] + eps_g[1]) if self.per_grown else energy
 
     def stress(self, eps: Any, eps_g: Any) -> Any:
-        """Principal Kirchhoff stresses `τ_i`, forces per reference section."""
-        tau = kirchhoff_stress(self.psi, kinematics.elastic(eps, eps_g))
+        """Return the principal Kirchhoff stresses `τ_i` in MPa, forces per reference section."""
+        tau = kirchhoff_stress(self.psi, elastic_strain(eps, eps_g))
         return tau * ufl.exp(eps_g[0] + eps_g[1]) if self.per_grown else tau
 
     def thickness_strain(self, eps: Any, eps_g: Any) -> Any:
-        """`ε3` through the wall; None where it keeps its thickness."""
-        return None if self.thinning is None else self.thinning(kinematics.elastic(eps, eps_g))
-
-
-def kirchhoff_stress(psi: StrainEnergy, eps_e: Any) -> Any:
-    """Principal Kirchhoff stresses `τ_i = ∂ψ/∂ε_i^e`: equations (8), (10) and (11)."""
-    eps_e = ufl.variable(eps_e)
-    return ufl.diff(psi(eps_e), eps_e)
+        """Return the strain `ε3` through the wall; None for constant thickness."""
+        return None if self.thinning is None else self.thinning(elastic_strain(eps, eps_g))

@@ -1,7 +1,7 @@
-"""Strain measures of a thin shell of revolution, equations (1) to (7) of the paper.
+"""Strains of a thin shell of revolution, equations (1) to (3) of the paper.
 
-The paper writes (2) for straight conical elements. Here the same strains are written for a
-curved meridian; on a meridian made of straight pieces, where `Φ' = 0`, they are the paper's own.
+The paper writes (2) for straight conical elements. These strains hold for a curved meridian; on
+straight elements, where `Φ' = 0`, they reduce to the paper's.
 Every function takes and returns UFL expressions.
 """
 
@@ -13,10 +13,9 @@ import ufl
 
 
 class Meridian(NamedTuple):
-    """A meridian at a point: radius, its derivatives along the reference arc length, angle.
+    """A meridian at a point: radius, slopes, angle; derivatives by reference arc length.
 
-    For the reference wall these are `R, cos Φ, sin Φ, Φ, Φ'`; for the current one
-    `r, r', z', ψ, ψ'`.
+    The reference wall has `R, cos Φ, sin Φ, Φ, Φ'`, the current wall `r, r', z', ψ, ψ'`.
     """
 
     r: Any
@@ -36,8 +35,13 @@ class Strains(NamedTuple):
     gamma: Any
 
 
+def green_lagrange(parts: Strains, xi: Any) -> tuple[Any, Any]:
+    """Return `E1, E2` at a distance ξ from the mid-surface, outward positive: equation (1)."""
+    return parts.E1m + xi * parts.E1b, parts.E2m + xi * parts.E2b
+
+
 def strains(reference: Meridian, current: Meridian) -> Strains:
-    """Strain parts (2) from the reference and the current meridian."""
+    """Return the strain parts of the reference and the current meridian: equation (2)."""
     R, Phi, Phi_S = reference.r, reference.psi, reference.psi_S
     r, r_S, z_S, psi, psi_S = current
     E1m, E2m = membrane_strains(R, r, r_S, z_S)
@@ -51,25 +55,10 @@ def strains(reference: Meridian, current: Meridian) -> Strains:
 
 
 def membrane_strains(R: Any, r: Any, r_S: Any, z_S: Any) -> tuple[Any, Any]:
-    """`E1m, E2m`, the part of (2) that a wall without bending has."""
+    """Return `E1m, E2m`, the membrane part of equation (2)."""
     return (r_S**2 + z_S**2 - 1) / 2, ((r / R) ** 2 - 1) / 2
 
 
-def green_lagrange(parts: Strains, xi: Any) -> tuple[Any, Any]:
-    """`E1, E2` at the distance ξ from the mid-surface, outward positive: equation (1)."""
-    return parts.E1m + xi * parts.E1b, parts.E2m + xi * parts.E2b
-
-
 def stretch(E: Any) -> Any:
-    """Principal stretch of a principal Green-Lagrange strain: equation (3)."""
+    """Return `λ`, the principal stretch of a principal Green-Lagrange strain: equation (3)."""
     return ufl.sqrt(2 * E + 1)
-
-
-def logarithmic(E: Any) -> Any:
-    """Logarithmic strain `ln λ` of a principal Green-Lagrange strain: equations (3), (6)."""
-    return ufl.ln(2 * E + 1) / 2
-
-
-def elastic(eps: Any, eps_g: Any) -> Any:
-    """Elastic part of the logarithmic strain: equation (7), the logarithm of (5)."""
-    return eps - eps_g

@@ -1,13 +1,15 @@
-"""A material law with its parameters, which become coefficients of the compiled forms."""
+"""Material laws with parameters, which become coefficients of the compiled forms."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import wraps
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from ufl.core.expr import Expr
 
 from .growth_weights import Weights
 
@@ -18,22 +20,76 @@ Parameter = float | Callable[[Array], Array] | Weights
 
 @dataclass(frozen=True)
 class Law:
-    """A UFL function and values for its named parameters; other values compile nothing anew.
+    """A UFL function and values of its named parameters; new values need no recompilation.
 
     Attributes
     ----------
     function
-        Strain energy, a function of the elastic strains (see `wall`), or growth rate, a function
-        of a `growth.WallPoint`; it takes the parameters by name after that.
+        Strain energy, a function of the elastic strains (see `hyperelasticity`), or growth rate,
+        a function of a `WallPoint` (see `growth_laws`); further arguments are its parameters.
     parameters
-        Their values, in µm, MPa and min: a number, a function of the reference arc length in µm
-        (arrays of one shape in and out), or, of a growth rate, weights that change in time.
+        Their values in µm, MPa and min: a number, a function of the reference arc length in µm
+        (arrays of one shape in and out) or, of a growth rate, weights that change in time.
     """
 
     function: Callable[..., Any]
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
 
     def on(self, coefficient: Callable[[Parameter], Any]) -> Callable[[Any], Any]:
-        """The function with its parameters as coefficients of a wall."""
+        """Return the function with its parameters as coefficients of a wall."""
         values = {name: coefficient(value) for name, value in self.parameters.items()}
         return lambda argument: self.function(argument, **values)
+
+
+OwnLaw = Law | Callable[..., Any]
+"""A law of the user's own: a UFL function, or a `Law` that gives it parameters."""
+
+_EXPECTED: dict[tuple[int, ...], str] = {
+    (): "expected a scalar UFL expression in MPa",
+    (2,): "expected a UFL vector of two rates in 1/min, e.g. ufl.as_vector([a, b])",
+}
+
+
+def own_energy(law: OwnLaw) -> Law:
+    """Return a user's strain energy as a law that checks what the function returns.
+
+    Raises
+    ------
+    TypeError
+        If it is not a function or, when it is called, returns no UFL expression.
+    ValueError
+        If, when it is called, the function raises an error or returns another shape.
+    """
+    return _checked(law, "strain energy", ())
+
+
+def own_growth_law(law: OwnLaw) -> Law:
+    """Return a user's growth rate as a law that checks what it returns, like `own_energy`."""
+    return _checked(law, "growth law", (2,))
+
+
+def _checked(law: OwnLaw, kind: str, shape: tuple[int, ...]) -> Law:
+    if not isinstance(law, Law):
+        if not callable(law):
+            raise TypeError(f"the {kind} is {_article(law)}; expected a function or a Law")
+        law = Law(law)
+    function = law.function
+    name = f"the {kind} {getattr(function, '__name__', repr(function))}"
+
+    @wraps(function)
+    def checked(*arguments: Any, **parameters: Any) -> Any:
+        try:
+            value = function(*arguments, **parameters)
+        except Exception as error:
+            raise ValueError(f"{name} raised {type(error).__name__}: {error}") from error
+        if not isinstance(value, Expr):
+            raise TypeError(f"{name} returned {_article(value)}; {_EXPECTED[shape]}")
+        if value.ufl_shape != shape:
+            raise ValueError(f"{name} returned the shape {value.ufl_shape}; {_EXPECTED[shape]}")
+        return value
+
+    return Law(checked, law.parameters)
+
+
+def _article(value: object) -> str:
+    return "nothing (None)" if value is None else f"an object of type {type(value).__name__}"

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 class NodalForce:
-    """A force along the axis, with the potential `-F u_z / 2π` beside that of the wall.
+    """An axial force at a node, with the potential `-F u_z / 2π`.
 
     Parameters
     ----------
@@ -35,26 +35,26 @@ class NodalForce:
     def __init__(self, w: Any, comm: Any, S: float, scale: float) -> None:
         places, dofs = dx.node_dofs(w.function_space)
         here = np.abs(places - S) < 1e-9 * max(S, 1.0)
-        self._dofs, self._comm = dofs[here, 1], comm  # none but on the rank that owns the node
+        self._dofs, self._comm = dofs[here, 1], comm  # empty on ranks that do not own the node
         self._w = w.x.array
         self.value = self._origin = 0.0
         self.scale = scale
 
     def add_to(self, residual: Array) -> None:
-        """Add the force to the residual of the owned unknowns."""
+        """Add the force to the residual of the owned DOFs."""
         residual[self._dofs] -= self.value / (2 * np.pi)
 
     def direction(self, out: Array) -> None:
-        """Derivative of the displacement by the owned unknowns."""
+        """Write the derivative of the displacement by the owned DOFs."""
         out[:] = 0
         out[self._dofs] = 1
 
     def displacement(self) -> float:
-        """Displacement of the node in the trial state, µm; from where `begin` was called."""
+        """Return the displacement of the node in µm since `begin`, in the trial state."""
         place = self._comm.allreduce(self._w[self._dofs].sum(), op=dx.MPI.SUM)
         return float(place) - self._origin
 
     def begin(self) -> None:
-        """Measure displacements from the trial state on."""
+        """Measure displacements from the trial state."""
         self._origin = 0.0
         self._origin = self.displacement()

@@ -1,4 +1,4 @@
-"""The laws that a scene asks for, with parameters that vary from zone to zone."""
+"""Build the shell of a scene: its laws, with parameters that vary from zone to zone."""
 
 from __future__ import annotations
 
@@ -10,9 +10,21 @@ from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import Discretisation, Intervals, Pole
-from ..mechanics import Gaussian, Law, OwnLaw, Parameter, Shell, Weight, Weights, own_laws
-from ..mechanics import growth_laws as growth
-from ..mechanics import hyperelasticity as wall
+from ..mechanics import (
+    Approximation,
+    Gaussian,
+    Law,
+    OwnLaw,
+    Parameter,
+    Shell,
+    WallProperties,
+    Weight,
+    Weights,
+    growth_laws,
+    hyperelasticity,
+    own_energy,
+    own_growth_law,
+)
 from ..scene import AnyWall, Growth, LinearWall, OgdenWall, PressureTable, Scene, Wall
 from .discretise import discretise
 
@@ -20,42 +32,38 @@ Array = NDArray[np.float64]
 
 
 def strain_energy(material: AnyWall) -> Law:
-    """Strain energy of a scene's wall."""
+    """Return the strain energy of a scene's wall."""
     match material:
         case Wall(shear_modulus=mu, ogden_exponent=alpha):
-            return Law(wall.ogden, {"mu": mu, "alpha": alpha})
+            return Law(hyperelasticity.ogden, {"mu": mu, "alpha": alpha})
         case OgdenWall(shear_moduli=moduli, ogden_exponents=exponents):
             terms = {f"mu_{i}": mu for i, mu in enumerate(moduli)}
             terms |= {f"alpha_{i}": alpha for i, alpha in enumerate(exponents)}
-            return Law(wall.ogden_sum, terms)
+            return Law(hyperelasticity.ogden_sum, terms)
         case LinearWall(young_modulus=young, poisson_ratio=poisson):
-            return Law(wall.linear, {"young": young, "poisson": poisson})
+            return Law(hyperelasticity.saint_venant_kirchhoff, {"young": young, "poisson": poisson})
 
 
 def thinning(material: AnyWall) -> Law | None:
-    """Strain through a scene's wall; None where it keeps its thickness."""
+    """Return the strain through a scene's wall; None for constant thickness."""
     if material.thickness_change == "none":
         return None
     if isinstance(material, LinearWall):
-        return Law(wall.saint_venant_kirchhoff_thinning, {"poisson": material.poisson_ratio})
-    return Law(wall.incompressible_thinning)
+        nu = material.poisson_ratio
+        return Law(hyperelasticity.saint_venant_kirchhoff_thinning, {"poisson": nu})
+    return Law(hyperelasticity.incompressible_thinning)
 
 
-def growth_law(scene: Scene, mesh: Discretisation, own: Law | None = None) -> Law | None:
-    """Growth rate of a scene's zones; None where nothing grows.
+def zone_law(scene: Scene, mesh: Discretisation, own: Law | None = None) -> Law | None:
+    """Return the growth rate of a scene's zones; None if the meridian has none.
 
-    Parameters
-    ----------
-    scene, cut
-        The scene and its meridian, maybe that of a piece without growing zones.
-    own
-        A rate in place of equation (13), with thresholds and times of its own; the scene says
-        where and when it holds, and may weight it.
+    A user's own rate replaces equation (13), its threshold and time; the scene's zones, times and
+    weights still apply to it.
 
     Raises
     ------
     ValueError
-        If the scene weights a threshold, which a rate of one's own does not have.
+        If the scene weights the threshold, which a user's own rate lacks.
     """
     if not mesh.growing:
         return None
@@ -63,7 +71,7 @@ def growth_law(scene: Scene, mesh: Discretisation, own: Law | None = None) -> La
         "sigma_trs": by_zone(mesh.zones, [zone.threshold for zone in scene.growing]),
         "t_grw": by_zone(mesh.zones, [zone.time for zone in scene.growing]),
     }
-    law = own or Law(growth.stress_driven, parameters)
+    law = own or Law(growth_laws.stress_driven, parameters)
     rates, stresses = [], []
     for whole, zone in zip(mesh.zones, scene.growing, strict=True):
         of_rate = zone.polarity and zone.polarity.weight == "rate"
@@ -72,23 +80,25 @@ def growth_law(scene: Scene, mesh: Discretisation, own: Law | None = None) -> La
             stresses.append(Weight(parts, gaussian=None if of_rate else gaussian))
     if any(weight != Weight(weight.parts) for weight in stresses):
         if own is not None:
-            raise ValueError('a growth law of your own has no threshold: weight = "rate" is wanted')
+            raise ValueError(
+                'a growth law of your own has no threshold; polarity.weight must be "rate"'
+            )
         law = Law(law.function, {**law.parameters, "of_stress": Weights(tuple(stresses))})
     if any(weight != Weight(weight.parts) for weight in rates):
         weights = Weights(tuple(rates))
-        law = Law(growth.weighted(law.function), {**law.parameters, "of_rate": weights})
+        law = Law(growth_laws.weighted(law.function), {**law.parameters, "of_rate": weights})
     return law
 
 
 def _gaussians(
     parts: Intervals, zone: Growth, scene: Scene, mesh: Discretisation
 ) -> list[tuple[Intervals, Gaussian | None]]:
-    """How growth of a zone falls off around a point: its parts, each with its own point."""
+    """Return the parts of a zone, each with the Gaussian by which growth falls off there."""
     polarity = zone.polarity
     if polarity is None:
         return [(parts, None)]
     if polarity.centre is not None:
-        # Straight elements are a little shorter than the curve whose arc length was given.
+        # The centre is given along the curve; straight elements are a little shorter.
         scale = mesh.curve.length / scene.cell.curve.length
         return [(parts, Gaussian(polarity.centre * scale, polarity.width))]
     if polarity.pole == "both":  # caps that may meet at their edges
@@ -102,14 +112,18 @@ def _gaussians(
     return [(half, Gaussian(pole if tip else ends[pole], polarity.width)) for half, pole in halves]
 
 
-def thickness_ratio(material: AnyWall, mesh: Discretisation) -> Parameter:
-    """Thickness of a wall over that outside of its zones."""
+def thickness_ratio(material: AnyWall, mesh: Discretisation) -> Parameter | None:
+    """Return thickness over that outside the zones; None for 1 everywhere."""
+    if not material.zone:
+        return None
     values = [(zone.thickness or material.thickness) / material.thickness for zone in material.zone]
     return by_zone(mesh.wall_zones, values, 1.0)
 
 
-def modulus_ratio(material: AnyWall, mesh: Discretisation) -> Parameter:
-    """Moduli of a wall over those outside of its zones."""
+def modulus_ratio(material: AnyWall, mesh: Discretisation) -> Parameter | None:
+    """Return moduli over those outside the zones; None for 1 everywhere."""
+    if not material.zone:
+        return None
     mu = material.shear_modulus
     values = [zone.modulus_factor or (zone.shear_modulus or mu) / mu for zone in material.zone]
     return by_zone(mesh.wall_zones, values, 1.0)
@@ -118,23 +132,16 @@ def modulus_ratio(material: AnyWall, mesh: Discretisation) -> Parameter:
 def by_zone(
     zones: Sequence[Intervals], values: Sequence[float], outside: float | None = None
 ) -> Parameter:
-    """A number for each zone; one number where it is the same wherever it is read.
+    """Return a function of arc length with one value per zone; a number if all are equal.
 
-    Parameters
-    ----------
-    zones
-        Parts of the meridian that the zones cover.
-    values
-        The numbers, one for each zone.
-    outside
-        Number outside of all zones; None where it is not read there.
+    `outside` is the value outside all zones; None if it is never evaluated there.
     """
     rest = values[0] if outside is None else outside
     if {*values, rest} == {rest}:
         return rest
 
     def at(S: Array) -> Array:
-        # A cell's points lie in its inside, and edges are nodes: no point is on an edge.
+        # Edges of zones are nodes, so that no quadrature point lies on one.
         field = np.full_like(S, rest)
         for parts, value in zip(zones, values, strict=True):
             for part in parts:
@@ -144,9 +151,6 @@ def by_zone(
     return at
 
 
-zone_law = growth_law
-
-
 def build_shell(
     scene: Scene,
     comm: Any = None,
@@ -154,49 +158,47 @@ def build_shell(
     energy: OwnLaw | None = None,
     growth_law: OwnLaw | None = None,
 ) -> Shell:
-    """Discretised wall of a scene, unloaded, on all ranks of a communicator.
+    """Return the unloaded shell of a scene, on all ranks of a communicator.
 
     Parameters
     ----------
     scene
         What to discretise.
     comm
-        MPI communicator whose ranks share the wall; all ranks of the world if left out.
+        MPI communicator whose ranks share the wall; by default all ranks of the world.
     energy, growth_law
         Laws in place of the scene's own. A growth law needs a scene with a growing zone.
 
     Raises
     ------
     TypeError, ValueError
-        If a law gives no UFL expression, or one of a wrong shape, or raises; see `own_laws`.
+        If a law of the user's own is invalid; see `mechanics.own_energy`.
     """
     if scene.growth is None and growth_law is not None:
-        raise ValueError("a growth law needs a scene with a table [growth], for its zone")
-    cut = discretise(scene)
-    own = own_laws.growth_law(growth_law) if growth_law else None
-    shell = Shell(
-        cut,
-        dx.MPI.COMM_WORLD if comm is None else comm,
-        order=scene.numerics.order,
-        thickness_points=scene.numerics.thickness_points,
-        thickness=scene.wall.thickness,
-        shear_modulus=scene.wall.shear_modulus,
-        shear_penalty=scene.numerics.shear_penalty,
-        energy=own_laws.energy_law(energy) if energy else strain_energy(scene.wall),
-        thickness_ratio=thickness_ratio(scene.wall, cut),
-        modulus_ratio=modulus_ratio(scene.wall, cut),
-        growth_law=zone_law(scene, cut, own),
-        per_grown=scene.wall.energy_per == "grown",
-        thinning=thinning(scene.wall),
-        bending=scene.wall.bending,
+        raise ValueError("a growth law needs a scene with a table [growth] that gives its zone")
+    mesh = discretise(scene)
+    material, numerics = scene.wall, scene.numerics
+    own = own_growth_law(growth_law) if growth_law else None
+    wall = WallProperties(
+        thickness=material.thickness,
+        shear_modulus=material.shear_modulus,
+        energy=own_energy(energy) if energy else strain_energy(material),
+        growth_law=zone_law(scene, mesh, own),
+        thickness_ratio=thickness_ratio(material, mesh),
+        modulus_ratio=modulus_ratio(material, mesh),
+        energy_per_grown_volume=material.energy_per == "grown",
+        thinning=thinning(material),
+        bending=material.bending,
     )
+    approximation = Approximation(numerics.order, numerics.thickness_points, numerics.shear_penalty)
+    shell = Shell(mesh, wall, approximation, dx.MPI.COMM_WORLD if comm is None else comm)
     if shell.force is not None and scene.axial_load is not None:
         shell.force.value = scene.axial_load.force
     return shell
 
 
 def turgor(scene: Scene) -> Callable[[float], float]:
-    """Pressure in MPa at a time in min: as the scene has it, times a rise over the ramp."""
+    """Return the pressure in MPa as a function of time in min, with its rise over the ramp."""
     pressure, ramp = scene.turgor.pressure, 0.0 if scene.run is None else scene.turgor.ramp
 
     def at(time: float) -> float:

@@ -1,4 +1,4 @@
-"""All that determines how a run goes on, and its file."""
+"""Checkpoints: everything that determines how a run continues, and their file format."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FORMAT, _DIGEST = "format", "sha256"
 
 @dataclass(frozen=True)
 class ResumePoint:
-    """Where a run is taken up: its checkpoint, with the rows and profiles that it counts."""
+    """State from which to resume a run: a checkpoint with the rows and profiles before it."""
 
     checkpoint: Checkpoint
     rows: tuple[Row, ...]
@@ -38,7 +38,7 @@ class CheckpointError(Exception):
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """All that determines how a run goes on from an accepted state.
+    """Everything that determines how a run continues from an accepted state.
 
     The arrays are in the order of `Ordering`, the same on any number of ranks.
 
@@ -46,13 +46,13 @@ class Checkpoint:
     ----------
     scene
         The scene as TOML.
-    evolution, tangent, steps, stability
-        The state, and what time integration, solver, step control and count of negative
-        eigenvalues remember.
-    cut
-        Whether fixed steps were cut because longer ones would be unstable.
-    tally
-        How much of the run has been noted.
+    stepper, chord, controller, stability
+        States of the time stepper with the shell, the solver's tangent, the step control and the
+        count of negative modes.
+    step_reduced
+        Whether fixed steps were reduced to the stability limit of the method.
+    recorder
+        How much of the run has been recorded.
     timings
         Where the time went so far.
     """
@@ -67,7 +67,7 @@ class Checkpoint:
     timings: Timings
 
     def to_bytes(self) -> bytes:
-        """Content of a file ``.npz`` that holds all of it."""
+        """Return the content of a file ``.npz``."""
         arrays = dict(_flat(self)) | {_FORMAT: np.array(FORMAT)}
         content = BytesIO()
         np.savez(content, **arrays, **{_DIGEST: np.array(_digest(arrays))})
@@ -75,7 +75,7 @@ class Checkpoint:
 
     @classmethod
     def from_bytes(cls, content: bytes) -> Self:
-        """Read what `to_bytes` gave.
+        """Read the content that `to_bytes` returned.
 
         Raises
         ------
@@ -86,7 +86,7 @@ class Checkpoint:
             with np.load(BytesIO(content)) as file:
                 arrays = dict(file)
             found, digest = int(arrays[_FORMAT]), str(arrays.pop(_DIGEST))
-        except Exception:  # NumPy, zip and zlib have many words for a damaged file
+        except Exception:  # NumPy, zip and zlib raise many kinds of error for a damaged file
             raise CheckpointError("is damaged") from None
         if found != FORMAT:
             raise CheckpointError(f"has format {found}, and this version reads format {FORMAT}")
@@ -104,7 +104,7 @@ def _digest(arrays: Mapping[str, Values]) -> str:
 
 
 def _flat(record: Any, prefix: str = "") -> Iterator[tuple[str, Values]]:
-    """Arrays of a dataclass by dotted name, those of dataclasses in it among them; no None."""
+    """Yield the arrays of a dataclass and of those within it, by dotted name; skip None."""
     for field in fields(record):
         name, value = prefix + field.name, getattr(record, field.name)
         if is_dataclass(value):
@@ -114,7 +114,7 @@ def _flat(record: Any, prefix: str = "") -> Iterator[tuple[str, Values]]:
 
 
 def _built(cls: Any, arrays: Mapping[str, Values], prefix: str) -> Any:
-    """Dataclass of the given class from what `_flat` gave."""
+    """Return an object of a dataclass from the arrays of `_flat`."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(cls).items():
         key, alternatives = prefix + name, set(get_args(hint)) - {type(None)}

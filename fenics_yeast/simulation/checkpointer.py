@@ -1,4 +1,4 @@
-"""Checkpoints of a run, taken every few seconds; and the way back from one."""
+"""Regular checkpoints of a run, and the way back from one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SHARE = 0.02  # largest part of the time that they may take
 
 
 class Checkpointer:
-    """Hands on checkpoints, often enough to lose little; its methods are collective.
+    """Passes checkpoints on every few seconds; its methods are collective.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Checkpointer:
         self._next = perf_counter() + _EVERY
 
     def offer(self, checkpoint: Checkpoint | None, timings: Timings) -> None:
-        """Hand on a checkpoint with the arrays of each rank, unless one was kept just now."""
+        """Pass on a checkpoint with the arrays of each rank, if one is due."""
         due = perf_counter() >= self._next
         if self._comm.size > 1:
             due = self._comm.bcast(due)
@@ -42,7 +42,7 @@ class Checkpointer:
             self.finish(checkpoint, timings)
 
     def finish(self, checkpoint: Checkpoint | None, timings: Timings) -> None:
-        """Hand on a checkpoint, unless that was done.
+        """Pass on a checkpoint, unless it was passed on before.
 
         Raises
         ------

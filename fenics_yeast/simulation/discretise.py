@@ -1,4 +1,4 @@
-"""A scene's meridian cut into cells, finer where it matters."""
+"""The mesh of a scene's meridian, graded towards edges, loads and growing zones."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from ..scene import Polarity, Scene
 Array = NDArray[np.float64]
 
 
-_NEAREST = 1e-3  # part of the width of a tip down to which cells get smaller towards it
+_NEAREST = 1e-3  # part of the width of a tip down to which elements get smaller towards it
 
 
 def discretise(scene: Scene) -> Discretisation:
-    """Meridian, cells and zones of a scene."""
+    """Return the meridian, elements and zones of a scene."""
     curve, ends = scene.cell.curve, scene.cell.ends
     growing = [growth.zone.intervals(curve) for growth in scene.growing]
     walls = [zone.intervals(curve) for zone in scene.wall.zone]
@@ -53,16 +53,16 @@ def discretise(scene: Scene) -> Discretisation:
             _Point(S, tip.width, tip.follow == "tip")
             for tip in tips for S in _centres(tip, curve)
         ]  # fmt: skip
-        rests = [0.0] if load and scene.cell.closed else []  # on a point, as sharp as the load
+        rests = [0.0] if load and scene.cell.closed else []  # on a point, like the load
         layers = [*inner, *outer, *load, *rests]
         density = _graded(curve.length, grows, layers, layer, points)
         near = [s for point in points for s in point.fixed]
         inner = apart([*inner, *(s for s in near if 0 < s < curve.length)])
     nodes = place_nodes(curve.length, inner, scene.numerics.elements, density)
-    cut, places = curve, nodes
+    meridian, places = curve, nodes
     if scene.numerics.geometry == "conical":
-        cut = Polygon.inscribed(curve, nodes)
-        places = cut.S
+        meridian = Polygon.inscribed(curve, nodes)
+        places = meridian.S
 
     def at_nodes(parts: Intervals) -> Intervals:
         stops = (places[[abs(nodes - s).argmin() for s in (p.start, p.end)]] for p in parts)
@@ -71,21 +71,21 @@ def discretise(scene: Scene) -> Discretisation:
     if loaded is not None:
         loaded = float(places[abs(nodes - loaded).argmin()])
     grown, walled = (tuple(map(at_nodes, zones)) for zones in (growing, walls))
-    whole = Discretisation(cut, places, grown, ends, walled, loaded)
+    whole = Discretisation(meridian, places, grown, ends, walled, loaded)
     if septum is None or scene.septum is None or scene.septum.piece is None:
         return whole
     return _piece(whole, int(abs(nodes - septum).argmin()), scene.septum.piece)
 
 
 def _septum(scene: Scene, curve: Curve) -> float | None:
-    """Arc length in µm of a scene's septum."""
+    """Return the arc length in µm of a scene's septum."""
     if scene.septum is None:
         return None
     return neck(scene.growing_parts, curve) if scene.septum.at is None else scene.septum.at
 
 
 def _piece(whole: Discretisation, node: int, side: Pole) -> Discretisation:
-    """What of a meridian lies on one side of a node, held there."""
+    """Return the part of a meridian on one side of a node, clamped there."""
     below = side == "bottom"
     nodes = whole.nodes[: node + 1] if below else whole.nodes[node:]
     start, end = float(nodes[0]), float(nodes[-1])
@@ -98,9 +98,9 @@ def _piece(whole: Discretisation, node: int, side: Pole) -> Discretisation:
 
 
 def _loaded(scene: Scene, curve: Curve) -> float | None:
-    """Arc length in µm at which a scene's force acts.
+    """Return the arc length in µm at which a scene's force acts.
 
-    A closed cell squeezed at its bottom pole is the one squeezed at its top pole, moved.
+    By symmetry, a force on a closed cell acts at its top pole.
     """
     if scene.axial_load is None:
         return None
@@ -116,10 +116,10 @@ class _Point:
     follows_tip: bool
 
     def density(self, S: Array) -> Array:
-        """Cells for the Gaussian; at a tip as many for each decade of the distance from it.
+        """Return the density of elements; at a tip it is constant per decade of distance.
 
-        What is a thousandth of the width from the tip at first makes up the tip's dome once the
-        cell has grown by six widths.
+        Points within a thousandth of the width become the whole dome of the tip when the cell
+        has grown by six widths.
         """
         distance = np.abs(S - self.S) / self.width
         if self.follows_tip:
@@ -128,7 +128,7 @@ class _Point:
 
     @property
     def fixed(self) -> list[float]:
-        """Arc lengths that are nodes, so that cells fit a density which is steep at a tip."""
+        """Arc lengths that must be nodes to resolve the steep density at a tip."""
         if not self.follows_tip:
             return []
         inward = 1 if self.S == 0 else -1
@@ -149,10 +149,10 @@ def _graded(
     layer: float,
     points: Sequence[_Point],
 ) -> Callable[[Array], Array]:
-    """Density of cells: more of them where the wall grows and in the boundary layers.
+    """Return the density of elements, higher in growing zones and boundary layers.
 
-    Around an edge as many for each decade of the distance from it, down to a part of the layer's
-    width. The numbers are the best of those tried on growing buds, thick and thin.
+    Around an edge it is constant per decade of distance, down to a fraction of the layer's
+    width. The factors gave the smallest errors of those tried on growing buds, thick and thin.
     """
 
     def density(S: Array) -> Array:

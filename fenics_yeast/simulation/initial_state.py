@@ -1,4 +1,4 @@
-"""A wall that begins where another run has left it."""
+"""Start a wall from the profile of another run."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ _NEAR = 1e-9  # of the meridian's length: places that differ by less are the sam
 
 
 def set_initial_state(shell: Shell, profile: Profile | None) -> None:
-    """Bring a shell to the state of a profile: positions, director angles and growth strains.
+    """Set a shell to the state of a profile: positions, director angles and growth strains.
 
     The shear force is found by the next equilibrium. Collective; rank 0 has the profile.
 
     Parameters
     ----------
     shell
-        The wall, unloaded: that of the profile, or a part of it, on the same nodes.
+        The unloaded wall of the profile, or a part of it, on the same nodes.
     profile
-        The state; read on rank 0 alone.
+        The state; needed only on rank 0.
 
     Raises
     ------
     ValueError
-        If the profile is that of another wall, or has grown where the shell cannot grow.
+        If the profile belongs to another wall, or has grown outside the growing zones.
     """
     profile = shell.comm.bcast(profile)
     assert profile is not None
@@ -47,19 +47,19 @@ def set_initial_state(shell: Shell, profile: Profile | None) -> None:
     places = _places(points.ravel(), profile.S_points, near, "quadrature points")
     grown = profile.growth_strain[places].reshape(*points.shape, -1)
     if grown.shape[-1] != 2 * len(shell.eps):
-        raise ValueError(f"a wall of {len(profile.xi)} thickness points is wanted")
+        raise ValueError(f"numerics.thickness_points must be {len(profile.xi)}, as in the profile")
     rest = np.ones(len(points), dtype=bool)
     if shell.growth is not None:
         rest[shell.growing_elements] = False
         shell.growth.set(grown[shell.growing_elements].reshape(shell.growth.get().shape))
     if grown[rest].any():
-        raise ValueError("the wall has grown outside of the scene's growing zones")
+        raise ValueError("the profile has growth outside the scene's growing zones")
 
 
-def _places(wanted: Array, known: Array, near: float, what: str) -> NDArray[np.int64]:
-    """Indices of wanted arc lengths among known ones."""
-    after = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
-    nearest = after - (wanted - known[after - 1] < known[after] - wanted)
-    if np.abs(known[nearest] - wanted).max(initial=0.0) > near:
-        raise ValueError(f"the profile has other {what} than the scene: numerics must be the same")
+def _places(sought: Array, known: Array, near: float, what: str) -> NDArray[np.int64]:
+    """Return the indices of arc lengths among known ones."""
+    after = np.clip(np.searchsorted(known, sought), 1, len(known) - 1)
+    nearest = after - (sought - known[after - 1] < known[after] - sought)
+    if np.abs(known[nearest] - sought).max(initial=0.0) > near:
+        raise ValueError(f"the {what} differ from the profile's; use the same table [numerics]")
     return nearest

@@ -1,4 +1,4 @@
-"""What is read off a shell: the numbers of a history row and whole profiles."""
+"""Measure a shell: the numbers of a history row, and profiles."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import edges
-from ..mechanics import Shell, WallPoint
+from ..mechanics import Order, Shell, WallPoint
 from .profiles import Profile
 
 Array = NDArray[np.float64]
 
 
 class Sizes(NamedTuple):
-    """Height of the upper above the lower end, largest radius of the growing zones, largest
-    radius at their edges, in µm, and the largest growth strain; 0 for what the wall has not.
-    """
+    """Pole height, largest radius of growing zones and of their edges in µm, growth strain."""
 
     pole_height: float
     bud_radius: float
@@ -34,6 +32,7 @@ class Measurements:
         self._shell = shell
         curve, growing = shell.discretisation.curve, shell.discretisation.growing
         self._S, self._dofs = dx.node_dofs(shell.space)
+        self._nodes = Order(shell.comm, self._S)
         self._R, self._Z = curve.radius(self._S), curve.height(self._S)
         self._Phi = curve.angle(self._S)
         near = 1e-9 * curve.length
@@ -52,13 +51,14 @@ class Measurements:
         ]
         self._w = shell.w.x.array
         owned = shell.mesh.topology.index_map(1).size_local
-        self._cells = np.arange(owned, dtype=np.int32)
+        self._elements = np.arange(owned, dtype=np.int32)
+        self._points = Order(shell.comm, shell.quadrature_S[:owned].ravel())
         self._fields = dx.compile_expression(
             self._point_fields(), dx.quadrature_points(shell.degree)
         )
 
     def _point_fields(self) -> object:
-        """Strains, Cauchy stresses and growth strains at each thickness point."""
+        """Return strains, Cauchy stresses and growth strains at each integration point."""
         values = []
         for j, eps in enumerate(self._shell.eps):
             growth = self._shell.growth
@@ -70,7 +70,7 @@ class Measurements:
         return ufl.as_vector(values)
 
     def sizes(self) -> Sizes:
-        """Sizes of the wall in the trial state, the same on all ranks."""
+        """Return the sizes of the wall in the trial state; 0 for those that it lacks."""
         values = [sign * (X + self._w[dofs]) for X, dofs, sign in self._watched]
         if self._shell.growth is not None:
             values.append(self._shell.growth.get())
@@ -81,20 +81,20 @@ class Measurements:
         return Sizes(above + below, *others)
 
     def profile(self, time: float) -> Profile | None:
-        """Profile of the wall; None but on rank 0."""
+        """Return the profile of the wall at a time in min on rank 0, None on others."""
         shell = self._shell
         motion = shell.w.x.array[self._dofs]
         psi = self._Phi + motion[:, 2] if shell.bending else self._Phi
-        nodes = np.column_stack([self._S, self._R + motion[:, 0], self._Z + motion[:, 1], psi])
-        fields = dx.evaluate(self._fields, shell.mesh, self._cells)
-        S = shell.quadrature_S[self._cells]
-        parts = shell.comm.gather((nodes, S.ravel(), fields.reshape(S.size, -1, 3, 2)))
-        if parts is None:
+        at_nodes = (self._S, self._R + motion[:, 0], self._Z + motion[:, 1], psi)
+        nodes = self._nodes.gather(np.column_stack(at_nodes))
+        at_points = shell.quadrature_S[self._elements].ravel()
+        values = dx.evaluate(self._fields, shell.mesh, self._elements)
+        S = self._points.gather(at_points)
+        fields = self._points.gather(values.reshape(len(at_points), -1, 3, 2))
+        if nodes is None or S is None or fields is None:
             return None
-        nodes, S, fields = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
-        nodes, order = nodes[np.argsort(nodes[:, 0])], np.argsort(S)
-        eps, sigma, eps_g = (np.ascontiguousarray(fields[order, :, i]) for i in range(3))
+        eps, sigma, eps_g = (np.ascontiguousarray(fields[:, :, i]) for i in range(3))
         S_nodes, r, z, psi = np.ascontiguousarray(nodes.T)
         if not shell.bending:  # the tangent of the wall, by differences
             psi = np.unwrap(np.arctan2(*(np.gradient(x, S_nodes, edge_order=2) for x in (z, r))))
-        return Profile(time, S_nodes, r, z, psi, S[order], shell.xi, eps, sigma, eps_g)
+        return Profile(time, S_nodes, r, z, psi, S, shell.xi, eps, sigma, eps_g)

@@ -1,4 +1,4 @@
-"""The observers of a run: where rows and profiles go as they are recorded."""
+"""Notify the observers of a run of recorded rows and profiles."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Publisher:
     comm
         MPI communicator of the run.
     observer
-        Notified on rank 0; not again after it has raised an error.
+        Notified on rank 0, but not again after it has raised an error.
     """
 
     def __init__(self, comm: Any, observer: Observer) -> None:
@@ -62,7 +62,7 @@ class Publisher:
         RootError
             If the observer raised an error.
         KeyboardInterrupt
-            If the observer raised that. What is left of the news can be published again.
+            If the observer raised it; the remaining news can be published again.
         """
         while news:
             event = news.popleft()

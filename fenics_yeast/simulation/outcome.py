@@ -1,4 +1,4 @@
-"""How a run ended, in a word and in a sentence."""
+"""How a run ended: a status word and a sentence."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def limit_force_exceeded(limit: float) -> Outcome:
 
 
 def growth_limit_reached(row: Row, softens: bool = True) -> Outcome:
-    """Return the end of a wall that has grown to a limit point in time.
+    """Return the end of a run at which growth reached a limit point.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def growth_limit_reached(row: Row, softens: bool = True) -> Outcome:
 
 
 def stability_note(rows: Sequence[Row]) -> str:
-    """Return which accepted states are unstable, as the end of a message; empty if none is."""
+    """Return the end of a message that says which accepted states are unstable."""
     first = next((i for i, row in enumerate(rows) if not row.stable), None)
     if first is None:
         return ""

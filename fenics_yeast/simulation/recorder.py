@@ -1,4 +1,4 @@
-"""Accepted states and saved profiles of a run, and what they took."""
+"""Record the accepted states and saved profiles of a run."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Recorder:
     Attributes
     ----------
     rows, profiles
-        What was accepted and saved so far; profiles on rank 0 only.
+        Accepted states and saved profiles; profiles on rank 0 only.
     news
         Rows and profiles that have not been published to the observers; None for a profile on
         the other ranks.
@@ -64,11 +64,6 @@ class Recorder:
         self.news: deque[Row | Profile | None] = deque()
         self.rejected = self.iterations = 0
         self.output_s = 0.0
-
-    @property
-    def volume_0(self) -> float:
-        """Volume in µm³ that ratios refer to, that of the unloaded cell."""
-        return self._shell.reference_volume
 
     def state(self) -> RecorderState:
         """Return how much has been recorded."""
@@ -93,7 +88,7 @@ class Recorder:
             time_min=time,
             pressure_MPa=pressure,
             volume_um3=volume,
-            volume_ratio=volume / self.volume_0,
+            volume_ratio=volume / shell.reference_volume,
             pole_height_um=sizes.pole_height,
             bud_radius_um=sizes.bud_radius,
             neck_radius_um=sizes.neck_radius,
@@ -115,12 +110,8 @@ class Recorder:
         self.rejected += 1
         self.iterations += iterations
 
-    def count_iterations(self, iterations: int) -> None:
-        """Count iterations that belong to no step, accepted or rejected."""
-        self.iterations += iterations
-
     def save(self) -> None:
-        """Record the profile of the accepted state, unless that was done."""
+        """Record the profile of the accepted state, unless it is recorded."""
         if self._accepted is None or self._saved:
             return
         began = perf_counter()

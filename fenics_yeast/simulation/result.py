@@ -1,4 +1,4 @@
-"""What a run leaves behind: history, profiles, how it ended, what it took."""
+"""Results of a run: history, profiles, status, errors and timings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Status = Literal["finished", "no-equilibrium", "failed", "interrupted"]
 
 @dataclass(frozen=True)
 class Timings:
-    """Seconds spent; `loop_s` is the time stepping alone, without output."""
+    """Seconds spent; `loop_s` is time stepping only, without output."""
 
     import_s: float = 0.0
     setup_s: float = 0.0
@@ -29,7 +29,7 @@ class Timings:
     total_s: float = 0.0
 
     def __add__(self, other: Timings) -> Timings:
-        """Return the sum of each of them, for a run in parts."""
+        """Return the sums, for a run in several parts."""
         names = [field.name for field in fields(self)]
         return Timings(*(getattr(self, name) + getattr(other, name) for name in names))
 
@@ -77,7 +77,7 @@ class Result:
         Accepted states and profiles at the saved times; after an early end also the profile of
         the last accepted state.
     status, message
-        How it ended, in a word and in a sentence.
+        How it ended: a status word and a sentence.
     end_time
         Time of the last accepted state in min.
     dofs, steps, rejected_steps, newton_iterations

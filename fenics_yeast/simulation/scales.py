@@ -1,4 +1,4 @@
-"""Characteristic sizes of a scene: what its solvers take as large or small."""
+"""Characteristic pressure, length and force of a scene, and the residual tolerance."""
 
 from __future__ import annotations
 

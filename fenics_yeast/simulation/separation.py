@@ -1,9 +1,9 @@
 """Separation of a cell into two by a septum.
 
-The septum is a rigid disc welded to the wall: from the time of the cut on it holds radius and
-rotation of the wall at its edge, on both sides, and is free to move along the axis with its piece.
-Turgor acts on it as on the wall, and what it takes it gives to the edge. At the cut nothing moves:
-each piece is in equilibrium as it was, since the septum now gives what the other piece gave.
+The septum is a rigid disc welded to the wall. After separation it fixes radius and rotation of the
+wall at its edge, on both sides, and moves freely along the axis with its cell. Turgor acts on it
+as on the wall, and the septum transmits this load to the edge. Nothing moves at separation: the
+septum then exerts the forces that the other cell exerted before.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from ..scene import PressureTable, Scene
 
 
 def pieces(scene: Scene, time: float) -> tuple[Scene, Scene]:
-    """The lower and the upper piece of a cell that is cut at a time, as scenes of their own.
+    """Split a cell at its septum; return lower and upper scenes.
 
-    Their time counts from the cut. They are run from the wall at the cut::
+    Their time counts from the separation. They start from the wall at that time::
 
         whole = simulate(scene)
         lower, upper = pieces(scene, 85)
@@ -28,19 +28,19 @@ def pieces(scene: Scene, time: float) -> tuple[Scene, Scene]:
     Parameters
     ----------
     scene
-        The whole cell, with a table `[septum]`; its run goes on after the cut.
+        The whole cell, with a table `[septum]` and a run that ends after the separation.
     time
-        Time of the cut in min.
+        Time of the separation in min.
 
     Raises
     ------
     ValueError
-        If the scene has no septum or no run beyond the cut.
+        If the scene has no septum, or its run ends before the separation.
     """
     if scene.septum is None or scene.septum.piece is not None:
-        raise ValueError("a scene of a whole cell with a table [septum] is wanted")
+        raise ValueError("expected a scene of a whole cell with a table [septum]")
     if scene.run is None or scene.run.end <= time:
-        raise ValueError(f"a run that goes on after the cut at {time:g} min is wanted")
+        raise ValueError(f"run.end must be later than the separation at {time:g} min")
     later = tuple(saved - time for saved in scene.run.save if saved > time)
     end = scene.run.end - time
     changes: dict[str, Any] = {"run": {"end": end, "save": later or (end,)}, "turgor.ramp": 0.0}
@@ -55,7 +55,7 @@ def pieces(scene: Scene, time: float) -> tuple[Scene, Scene]:
     for i, growth in enumerate(scene.growing):
         begins, ends = growth.span
         changes[f"{key.format(i)}.from"] = max(begins - time, 0.0)
-        if ends <= time:  # it has grown, and does not any more
+        if ends <= time:  # its growth has ended
             changes[f"{key.format(i)}.from"] = end
         elif ends < inf:
             changes[f"{key.format(i)}.until"] = ends - time

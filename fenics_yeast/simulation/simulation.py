@@ -1,4 +1,4 @@
-"""Runs a scene from start to end."""
+"""Run a scene from start to end: by `simulate`, or step by step by `Simulation`."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ class Simulation:
                     break
         print(simulation.result.message)
 
-    A loop that was left may be continued by another one before the end of the block. On several
-    ranks all of them iterate, and get the same rows.
+    After a `break`, another loop in the block may continue. On several ranks, all must iterate;
+    they get the same rows.
 
     Parameters
     ----------
@@ -147,13 +147,13 @@ class Simulation:
         raise StopIteration
 
     def close(self) -> None:
-        """End the run where it is, save the profile of its last state, and free the solvers."""
+        """End the run in its last state, unless it has ended."""
         if self._outcome is None:
             self._end(Outcome("interrupted", f"stopped at {self._time:g} min"))
 
     @property
     def result(self) -> Result:
-        """What was found so far, and how the run ended; interrupted, as long as it has not."""
+        """Result so far; its status is interrupted until the run has ended."""
         rows, recorder = self._recorder.rows, self._recorder
         status, message = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
         return Result(
@@ -182,7 +182,7 @@ class Simulation:
             self._end(Outcome("interrupted", f"interrupted at {self._time:g} min"))
 
     def _end(self, outcome: Outcome) -> None:
-        """Publish and keep what an ended run leaves."""
+        """Save the last profile, publish it and keep a checkpoint; free the solvers."""
         self._outcome = outcome
         self._steps.close()
         try:

@@ -1,4 +1,4 @@
-"""A scene with a table `[path]`: its equilibria one by one, and what ends them."""
+"""Runs of scenes with a table `[path]`: follow the path and report how it ends."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Static:
         return self._recorder.accept(0.0, 0.0, iterations, stable)
 
     def _coordinates(self) -> tuple[PathCoordinates, PathTarget]:
-        """Load and conjugate amount of the path with their scales, and where the path ends."""
+        """Return load and conjugate amount of the path with their scales, and its target."""
         until, scene, shell = self._path.until, self._scene, self._shell
         if until.of_load:
             of_force = PathCoordinates(shell.force, length_scale(scene), force_scale(scene))
@@ -99,30 +99,31 @@ class Static:
         return of_pressure, PathTarget(1, (until.pressure or 0.0) / of_pressure.load_unit)
 
     def _preload(self, coordinates: PathCoordinates) -> Outcome | None:
-        """Find the equilibrium under the load that is held while the other one grows from zero."""
+        """Find the equilibrium under the load that is constant along the path."""
         shell, scene = self._shell, self._scene
         if coordinates.load is shell.pressure:
-            held, size = shell.force, 0.0 if scene.axial_load is None else scene.axial_load.force
+            if shell.force is None or scene.axial_load is None or scene.axial_load.force == 0:
+                return None
+            shell.force.value = scene.axial_load.force
         else:
             assert shell.force is not None and not isinstance(scene.turgor.pressure, PressureTable)
-            held, size = shell.pressure, scene.turgor.pressure
             shell.force.value = 0.0
-        if held is None or size == 0:
-            return None
-        held.value = size
+            if scene.turgor.pressure == 0:
+                return None
+            shell.pressure.value = scene.turgor.pressure
         try:
             with Equilibrium(shell, self._tolerance) as equilibrium:
                 equilibrium.solve()
         except EquilibriumError as error:
-            return Outcome("failed", f"no equilibrium found under the held load: {error}")
-        if held is shell.pressure and shell.force is not None:
+            return Outcome("failed", f"no equilibrium found under the constant load: {error}")
+        if coordinates.load is not shell.pressure:
             shell.force.begin()
         return None
 
     # --- ends -----------------------------------------------------------------------------
 
     def _ended(self, error: PathError) -> Outcome:
-        """Tell a path without a further point under its control from one that was lost."""
+        """Distinguish a limit point of the controlled load from a lost path."""
         path, rows, extreme = self._path, self._recorder.rows, self._extreme()
         if extreme is not None and path.until.pressure is not None:
             return limit_pressure_exceeded(extreme.pressure_MPa)
@@ -140,7 +141,7 @@ class Static:
         return Outcome("failed", f"the path was lost at {self._describe(rows[-1])}: {error}")
 
     def _extreme(self) -> Row | None:
-        """Point of the largest load, of either sign, if the path came back from it."""
+        """Return the point of largest absolute load, if the path continued beyond it."""
         rows = self._recorder.rows
         of_load = self._path.until.of_load
         extreme = max(rows, key=lambda row: abs(row.force_uN if of_load else row.pressure_MPa))

@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 _SHOWN = 10  # rows of a long table in a notebook
-
-
-class Table(Protocol):
-    """Something with a pandas table."""
-
-    def to_frame(self) -> Any: ...
 
 
 def frame(columns: dict[str, Any]) -> Any:
@@ -28,8 +22,8 @@ def frame(columns: dict[str, Any]) -> Any:
     return DataFrame(columns)
 
 
-def html(table: Table, caption: str = "") -> str | None:
-    """Return the first and last rows for a notebook; None without pandas: it then shows `repr`."""
+def html(table: Any, caption: str = "") -> str | None:
+    """Return the first and last rows for a notebook; None without pandas."""
     from html import escape
 
     try:

@@ -1,4 +1,4 @@
-"""A scene in time: loading, steps, and what ends them."""
+"""Runs in time: find the first equilibrium, take steps, and report how the run ends."""
 
 from __future__ import annotations
 
@@ -174,7 +174,7 @@ class Transient:
         try:
             limit = find_limit_pressure(self._shell, stepper.pressure(0.0), self._tolerance)
             if limit is not None:
-                recorder.count_iterations(limit.iterations)
+                recorder.iterations += limit.iterations
                 return limit_pressure_exceeded(limit.pressure)
             iterations = stepper.load()
         except (EquilibriumError, PathError) as error:
@@ -187,7 +187,7 @@ class Transient:
     # --- steps ----------------------------------------------------------------------------
 
     def _find_kinks(self) -> list[float]:
-        """Increasing times in min at which the pressure's slope changes, or growth switches."""
+        """Return the times in min at which the pressure's slope changes, or growth switches."""
         pressure, run = self._scene.turgor.pressure, self._scene.run
         end = 0.0 if run is None else run.end
         times = pressure.time if isinstance(pressure, PressureTable) else ()
@@ -213,9 +213,9 @@ class Transient:
             steady = milestone is None or not self._pressure_changes(milestone)
             if steady and self._stepper.at_rest:
                 return milestone
-        wanted, longest = controller.propose(self._time), self._stepper.longest_step
-        if wanted is None or wanted - self._time <= longest:
-            return wanted
+        proposed, longest = controller.propose(self._time), self._stepper.longest_step
+        if proposed is None or proposed - self._time <= longest:
+            return proposed
         self._reduced = self._reduced or self._scene.numerics.step is not None
         return controller.propose(self._time, longest)
 
@@ -251,9 +251,9 @@ class Transient:
             return 0.0
         volume = self._shell.volume()
         grown = abs(volume - recorder.rows[-1].volume_um3) * growth_time / dt
-        grown = min(max(grown, _SLOW * recorder.volume_0), _FAST * volume)
-        wanted = self._scene.numerics.tolerance * grown
-        return abs(error) / (self._tableau.caution * wanted)
+        grown = min(max(grown, _SLOW * self._shell.reference_volume), _FAST * volume)
+        allowed = self._scene.numerics.tolerance * grown
+        return abs(error) / (self._tableau.caution * allowed)
 
     @property
     def _patience(self) -> int:
@@ -298,7 +298,7 @@ class Transient:
             self._stepper, self._tolerance, self._scene.numerics.tolerance, rate, end, self._accept
         )
         self._stepper.reset_predictor()
-        self._recorder.count_iterations(iterations)
+        self._recorder.iterations += iterations
         return found
 
     def _volume_rate(self, end: float) -> float:

@@ -165,16 +165,16 @@ class BorderedNewton:
         equations.tangent()
         self._solver.setOperators(equations.matrix)
         if self._force is None:
-            equations.assemble(shell.volume_gradient, self._row.array)
+            equations.assemble(shell.forms.volume_gradient, self._row.array)
             self._row.scale(2 * np.pi)
         else:
             self._force.direction(self._row.array)
-        if self._force is None and shell.pressure_force is not None:
-            equations.assemble(shell.pressure_force, self._column.array)
+        if self._force is None and shell.forms.pressure_force is not None:
+            equations.assemble(shell.forms.pressure_force, self._column.array)
         else:
             self._column.array[:] = -self._row.array_r / (2 * np.pi)
         if self._growth is not None:
-            equations.assemble(shell.stage_force, self._b.array)
+            equations.assemble(shell.forms.stage_force, self._b.array)
             self._column.aypx(self._ramp[1], self._b)
         self._row.scale(self._scale * self._weights[0])
         self._solver.solve(self._column, self._b)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..mechanics import PointValues, Shell, ShellState, Unknowns
+from ..mechanics import DofValues, PointValues, Shell, ShellState
 from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
@@ -58,7 +58,7 @@ class ChordState:
         Interval in min during which growth was as then.
     """
 
-    w: Unknowns
+    w: DofValues
     eps_g: PointValues | None
     base: PointValues | None
     stage: float
@@ -192,7 +192,7 @@ class Equilibrium:
         self._equations.tangent()
         self._chord = None
         self._solver.setOperators(self._equations.matrix)
-        self._equations.assemble(self._shell.volume_gradient, self._f.array)
+        self._equations.assemble(self._shell.forms.volume_gradient, self._f.array)
         return 2 * np.pi * self._volume_response()
 
     def volume_change(self, eps_g: Array) -> float:
@@ -211,14 +211,14 @@ class Equilibrium:
             return 0.0
         accepted = growth.get()
         growth.set(accepted + eps_g)
-        self._equations.assemble(self._shell.residual, self._f.array)
+        self._equations.assemble(self._shell.forms.residual, self._f.array)
         growth.set(accepted)
         return -2 * np.pi * self._volume_response()
 
     def _volume_response(self) -> float:
         """Return the volume per 2π that the force in `_f` displaces."""
         self._solver.solve(self._f, self._x)
-        self._equations.assemble(self._shell.volume_gradient, self._f.array)
+        self._equations.assemble(self._shell.forms.volume_gradient, self._f.array)
         return float(self._f.dot(self._x))
 
     def _residual(self, snes: Any, x: Any, f: Any) -> None:

@@ -36,7 +36,7 @@ class Equations:
 
     def __init__(self, shell: Shell) -> None:
         self.shell = shell
-        self.matrix = dx.create_matrix(shell.tangent)
+        self.matrix = dx.create_matrix(shell.forms.tangent)
         self._assembled = dx.fem.Function(shell.space)
         self._b, self._w = self._assembled.x.array, shell.w.x.array
         dofmap = shell.space.dofmap
@@ -70,16 +70,16 @@ class Equations:
     def residual(self, values: Any, out: Any) -> None:
         """Compute the residual at values of the owned DOFs; NaN if growth cannot follow."""
         defined = self.set_trial(values)
-        self.assemble(self.shell.residual, out)
+        self.assemble(self.shell.forms.residual, out)
         if not defined:
             out[:] = np.nan
 
     def tangent(self) -> None:
         """Assemble the matrix in the trial state."""
-        shell, growth, form = self.shell, self._following(), self.shell.tangent
+        shell, growth, form = self.shell, self._following(), self.shell.forms.tangent
         if growth is not None:
-            shell.differentiate()
-            form = shell.consistent_tangent
+            shell.forms.update()
+            form = shell.forms.consistent_tangent
         dx.assemble_matrix(self.matrix, form, shell.conditions)
 
     def assemble(self, form: Any, out: Any) -> None:
@@ -88,7 +88,7 @@ class Equations:
         dx.fem.assemble_vector(self._b, form)
         dx.accumulate(self._assembled)
         out[:] = self._b[: self.owned]
-        if form is self.shell.residual and self.shell.force is not None:
+        if form is self.shell.forms.residual and self.shell.force is not None:
             self.shell.force.add_to(out)
         out[self._constrained] = 0
 

@@ -11,7 +11,7 @@ class Resumable(Protocol[State]):
     """An object whose state determines all that it computes from here on.
 
     A state is a frozen dataclass of numbers, arrays, tuples of them, or None. Its arrays are
-    annotated as `Unknowns` or `PointValues`, so that a checkpoint is the same on any number of
+    annotated as `DofValues` or `PointValues`, so that a checkpoint is the same on any number of
     ranks, and are never changed in place. Methods may be collective.
     """
 

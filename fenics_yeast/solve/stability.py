@@ -33,7 +33,7 @@ class Stability:
     def __init__(self, shell: Shell) -> None:
         self._shell = shell
         self._last = StabilityState()
-        self._matrix = dx.create_matrix(shell.tangent)
+        self._matrix = dx.create_matrix(shell.forms.tangent)
         self._matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
         self._multipliers = dx.size_of_second(shell.space)
         self._solver = dx.PETSc.PC().create(shell.comm)
@@ -81,7 +81,7 @@ class Stability:
         return change < _SAME * self._last.volume and pressure == self._last.pressure
 
     def _count(self) -> int:
-        dx.assemble_matrix(self._matrix, self._shell.tangent, self._shell.conditions)
+        dx.assemble_matrix(self._matrix, self._shell.forms.tangent, self._shell.conditions)
         self._solver.setUp()
         negative, _, _ = self._solver.getFactorMatrix().getInertia()
         return int(negative) - self._multipliers

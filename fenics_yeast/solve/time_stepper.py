@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..mechanics import PointValues, Shell, ShellState, Unknowns
+from ..mechanics import DofValues, PointValues, Shell, ShellState
 from .equilibrium import Equilibrium, EquilibriumError
 from .predictor import Predictor
 from .runge_kutta import ButcherTableau
@@ -44,12 +44,12 @@ class StepperState:
     """
 
     time: float
-    w: Unknowns
+    w: DofValues
     eps_g: PointValues | None
     rate: PointValues | None
     stiffest: PointValues | None
     solution_times: tuple[float, ...]
-    solutions: tuple[Unknowns, ...]
+    solutions: tuple[DofValues, ...]
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ def test_unloaded_walls_rest_and_enclose_their_volume(elastic_scene, shape, volu
     scene = elastic_scene.with_values({"cell": make(shape), "numerics.elements": 24})
     shell = build_shell(scene)
     assert shell.volume() == pytest.approx(volume, rel=1e-6, abs=1e-12)
-    np.testing.assert_allclose(dx.fem.assemble_vector(shell.residual).array, 0, atol=1e-13)
+    np.testing.assert_allclose(dx.fem.assemble_vector(shell.forms.residual).array, 0, atol=1e-13)
 
 
 def test_joints_are_nodes(elastic_scene):

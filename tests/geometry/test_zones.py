@@ -192,14 +192,14 @@ def test_a_scene_pays_for_nothing_that_it_does_not_use(coarse):
     alike = [{**GROWTH, "zone": {"pole": pole, "half_angle": 24}} for pole in ("top", "bottom")]
     for scene in (coarse, coarse.with_values({"growth": alike})):
         cut = discretise(scene)
-        law = scene_laws.growth_law(scene, cut)
+        law = scene_laws.zone_law(scene, cut)
         assert law is not None
         assert law.parameters == {"sigma_trs": 1.0, "t_grw": 45.0}
         assert law.function is growth.stress_driven
-        assert scene_laws.thickness_ratio(scene.wall, cut) == 1.0
-        assert scene_laws.modulus_ratio(scene.wall, cut) == 1.0
+        assert scene_laws.thickness_ratio(scene.wall, cut) is None
+        assert scene_laws.modulus_ratio(scene.wall, cut) is None
     other = coarse.with_values({"growth": [alike[0], {**alike[1], "time": 20.0}]})
-    law = scene_laws.growth_law(other, discretise(other))
+    law = scene_laws.zone_law(other, discretise(other))
     assert law is not None
     assert law.parameters["sigma_trs"] == 1.0
     assert callable(law.parameters["t_grw"])

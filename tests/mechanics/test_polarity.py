@@ -5,11 +5,11 @@ import pytest
 from support.scenes import BUD
 
 from fenics_yeast import Scene, simulate
+from fenics_yeast.mechanics import Law
 from fenics_yeast.mechanics import growth_laws as growth
-from fenics_yeast.mechanics.laws import Law
 from fenics_yeast.scene import SceneError
 from fenics_yeast.simulation import Simulation, build_shell
-from fenics_yeast.simulation.checkpoint import Checkpoint, Start
+from fenics_yeast.simulation.checkpoint import Checkpoint, ResumePoint
 from fenics_yeast.solve.equilibrium import Equilibrium
 
 R, LENGTH = 2.5, np.pi * 2.5
@@ -190,7 +190,7 @@ def test_a_run_that_is_taken_up_is_the_same_run(whole, integrator):
                 if row.time_min >= stop:
                     break
         before = simulation.result
-        start = Start(kept[-1], before.history.rows, before.profiles.all)
+        start = ResumePoint(kept[-1], before.history.rows, before.profiles.all)
         assert simulate(scene, start=start).history.rows == straight.history.rows
         assert 0 < before.end_time < 2
 
@@ -225,7 +225,7 @@ def test_arc_length_from_the_tip_goes_over_ranks(whole, mpirun):
         ("{ width = 1, centre = 9 }", ["polarity.centre = 9", "the meridian ends at 7.85398 µm"]),
     ],
 )
-def test_wrong_polarity_is_told_in_one_line(polarity, said):
+def test_wrong_polarity_is_refused_in_one_line(polarity, said):
     text = BUD.replace("[run]", f"polarity = {polarity}\n[run]")
     with pytest.raises(SceneError) as caught:
         Scene.from_toml(text)

@@ -94,7 +94,7 @@ def test_residual_is_the_derivative_of_the_potential(rough_scene, geometry):
         expected[i] = potential(shell, w, eps_g).imag / 1e-30
         w[i] = w[i].real
     np.testing.assert_allclose(
-        vector(shell.residual), expected, rtol=1e-10, atol=1e-12 * abs(expected).max()
+        vector(shell.forms.residual), expected, rtol=1e-10, atol=1e-12 * abs(expected).max()
     )
 
 
@@ -104,7 +104,7 @@ def differences(shell, direction: np.ndarray, update: bool) -> np.ndarray:
     for sign in (1, -1):
         shell.w.x.array[:] = w + sign * step * direction
         assert not update or shell.growth.update()
-        values.append(vector(shell.residual))
+        values.append(vector(shell.forms.residual))
     shell.w.x.array[:] = w
     shell.growth.set(eps_g)
     return (values[0] - values[1]) / (2 * step)
@@ -115,8 +115,8 @@ def differences(shell, direction: np.ndarray, update: bool) -> np.ndarray:
 def test_tangents_are_differences_of_the_residual(rough_scene, name, order):
     """At given growth, and with the growth of an implicit stage that follows the strain."""
     shell = disturbed(rough_scene, stage=2.0, order=order)
-    shell.differentiate()
-    tangent = dense(getattr(shell, name))
+    shell.forms.update()
+    tangent = dense(getattr(shell.forms, name))
     random = np.random.default_rng(8)
     for _ in range(3):
         direction = random.normal(size=len(shell.w.x.array))
@@ -127,24 +127,24 @@ def test_tangents_are_differences_of_the_residual(rough_scene, name, order):
 
 
 def test_growth_in_the_stage_softens_the_wall(rough_scene):
-    """Else the two tangents could not be told apart by the test above."""
+    """Otherwise the test above could not distinguish the two tangents."""
     shell = disturbed(rough_scene, stage=2.0, order=1)
-    shell.differentiate()
-    held, followed = dense(shell.tangent), dense(shell.consistent_tangent)
+    shell.forms.update()
+    held, followed = dense(shell.forms.tangent), dense(shell.forms.consistent_tangent)
     assert np.linalg.norm(followed - held) > 0.05 * np.linalg.norm(held)
 
 
 def test_tangent_at_given_growth_is_symmetric(rough_scene):
     """The turgor is a follower load, yet it has a potential: the poles are on the axis."""
     shell = disturbed(rough_scene, stage=2.0, order=3)
-    tangent = dense(shell.tangent)
+    tangent = dense(shell.forms.tangent)
     np.testing.assert_allclose(tangent, tangent.T, rtol=0, atol=1e-13 * abs(tangent).max())
 
 
 @pytest.mark.parametrize("geometry", ["curved", "conical"])
 def test_unloaded_wall_rests(rough_scene, geometry):
     shell = build_shell(rough_scene.with_values({"numerics.geometry": geometry}))
-    np.testing.assert_allclose(vector(shell.residual), 0, atol=1e-14)
+    np.testing.assert_allclose(vector(shell.forms.residual), 0, atol=1e-14)
 
 
 def test_axial_translation_strains_nothing(rough_scene):
@@ -152,10 +152,10 @@ def test_axial_translation_strains_nothing(rough_scene):
     shell = build_shell(rough_scene)
     motion = np.zeros(len(shell.w.x.array))
     motion[dx.node_dofs(shell.space)[1][:, 1]] = 0.7
-    tangent = dense(shell.tangent)
+    tangent = dense(shell.forms.tangent)
     np.testing.assert_allclose(tangent @ motion, 0, atol=1e-12 * abs(tangent).max())
     shell.w.x.array[:] = motion
-    np.testing.assert_allclose(vector(shell.residual), 0, atol=1e-12)
+    np.testing.assert_allclose(vector(shell.forms.residual), 0, atol=1e-12)
 
 
 def test_uniform_inflation_stretches_every_fibre(fine_scene):
@@ -180,9 +180,9 @@ def inflate(shell, factor: float) -> None:
 def test_pressure_enters_by_the_volume(rough_scene):
     """∂Π/∂p = -V/2π: the residual changes by minus the gradient of the volume."""
     shell = disturbed(rough_scene, stage=2.0, order=3)
-    gradient, loaded = vector(shell.volume_gradient), vector(shell.residual)
+    gradient, loaded = vector(shell.forms.volume_gradient), vector(shell.forms.residual)
     shell.pressure.value += 0.5
-    np.testing.assert_allclose(vector(shell.residual) - loaded, -0.5 * gradient, atol=1e-13)
+    np.testing.assert_allclose(vector(shell.forms.residual) - loaded, -0.5 * gradient, atol=1e-13)
 
     direction = np.random.default_rng(9).normal(size=len(gradient))
     w, volumes = shell.w.x.array.copy(), []

@@ -141,7 +141,7 @@ def test_zones_of_the_wall_go_in_and_out(coarse):
         (3, ["wall.zone[0] = 3: the table [wall.zone[0]] is wanted"]),
     ],
 )
-def test_wrong_zones_of_the_wall_are_told_in_one_line(zone, said):
+def test_wrong_zones_of_the_wall_are_refused_in_one_line(zone, said):
     with pytest.raises(SceneError) as caught:
         BALLOON_SCENE.with_values({"wall.zone": [zone]})
     message = str(caught.value)

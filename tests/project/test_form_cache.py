@@ -108,7 +108,7 @@ def test_ranks_compile_once(
 def test_a_cache_that_cannot_be_written_is_replaced_for_the_run() -> None:
     output, errors = start("/proc/nowhere").communicate()
     assert output == ANSWER[0]
-    assert errors.startswith("warning: compiled forms are kept for this run only")
+    assert errors.startswith("warning: compiled forms are kept only for this run")
     assert "XDG_CACHE_HOME" in errors and errors.count("\n") == 1
 
 
@@ -121,7 +121,7 @@ def test_the_cache_of_someone_else_is_not_loaded(
     monkeypatch.setattr(os, "geteuid", lambda: mine.stat().st_uid + 1)
     other = _form_cache.folder.__wrapped__()
     assert not other.is_relative_to(tmp_path / "fenics-yeast")
-    assert "it belongs to someone else" in capsys.readouterr().err
+    assert "it belongs to another user" in capsys.readouterr().err
 
 
 SCENE = """\

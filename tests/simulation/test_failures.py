@@ -5,8 +5,8 @@ import pytest
 import ufl
 
 from fenics_yeast import Scene, simulate
+from fenics_yeast.mechanics import Law
 from fenics_yeast.mechanics import growth_laws as growth
-from fenics_yeast.mechanics.laws import Law
 from fenics_yeast.simulation import COLUMNS, Profile, Result, Row
 from fenics_yeast.solve.time_stepper import TimeStepper
 

@@ -110,28 +110,28 @@ def test_ranks_share_the_pieces(bud, mpirun):
     np.testing.assert_allclose(shared, alone, rtol=1e-9)
 
 
-# --- what is refused ----------------------------------------------------------------------
+# --- refused input ------------------------------------------------------------------------
 
 
 def test_a_state_of_another_wall_is_refused(bud, whole):
     state = whole.profiles.at(CUT)
     lower, upper = pieces(bud, CUT)
-    with pytest.raises(ValueError, match="numerics must be the same"):
+    with pytest.raises(ValueError, match=r"use the same table \[numerics\]"):
         simulate(upper.with_values({"numerics.elements": 20}), state=state)
-    with pytest.raises(ValueError, match="3 thickness points"):
+    with pytest.raises(ValueError, match="thickness_points must be 3"):
         simulate(upper.with_values({"numerics.thickness_points": 5}), state=state)
-    with pytest.raises(ValueError, match="goes on after the cut"):
+    with pytest.raises(ValueError, match="must be later than the separation"):
         pieces(bud, 76.0)
     with pytest.raises(ValueError, match="whole cell"):
         pieces(lower, 3.0)
 
 
-def test_what_has_grown_must_be_able_to_grow(bud):
+def test_a_state_grown_outside_the_growing_zones_is_refused(bud):
     even = {"numerics.grading": "uniform", "numerics.elements": 20, "run": {"end": 5.0}}
     wide = bud.with_values({**even, "growth.zone": {"from_fraction": 0.8, "to_fraction": 1}})
     state = simulate(wide).profiles.at(5)
     narrow = wide.with_values({"growth.zone.from_fraction": 0.9})
-    with pytest.raises(ValueError, match="outside of the scene's growing zones"):
+    with pytest.raises(ValueError, match="outside the scene's growing zones"):
         simulate(narrow, state=state)
 
 

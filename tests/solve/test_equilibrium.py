@@ -176,7 +176,7 @@ def test_newton_is_linear_without_the_consistent_tangent(growing):
     shell, equilibrium = growing
 
     def held(snes, x, J, P):
-        dx.assemble_matrix(P, shell.tangent, shell.conditions)
+        dx.assemble_matrix(P, shell.forms.tangent, shell.conditions)
 
     equilibrium.snes.setJacobian(held, equilibrium.snes.getJacobian()[0])
     assert fitted_exponent(*reductions(shell, equilibrium)) == pytest.approx(1, abs=0.05)

@@ -134,19 +134,19 @@ def test_pressure_at_a_free_edge_has_a_consistent_tangent(sphere):
 
     def residual(state):
         shell.w.x.array[:] = state
-        return dx.fem.assemble_vector(shell.residual).array.copy()
+        return dx.fem.assemble_vector(shell.forms.residual).array.copy()
 
     expected = (residual(w + 1e-6 * direction) - residual(w - 1e-6 * direction)) / 2e-6
     shell.w.x.array[:] = w
-    matrix = dx.create_matrix(shell.tangent)
-    dx.assemble_matrix(matrix, shell.tangent, [])
+    matrix = dx.create_matrix(shell.forms.tangent)
+    dx.assemble_matrix(matrix, shell.forms.tangent, [])
     tangent = matrix.convert("dense").getDenseArray().copy()
     matrix.destroy()
     np.testing.assert_allclose(tangent @ direction, expected, atol=1e-6 * abs(expected).max())
     assert abs(tangent - tangent.T).max() > 1e-3  # it has no potential
     low = residual(w)
     shell.pressure.value = 4.0
-    column = dx.fem.assemble_vector(shell.pressure_force).array
+    column = dx.fem.assemble_vector(shell.forms.pressure_force).array
     np.testing.assert_allclose(residual(w) - low, column, atol=1e-12)
 
 

@@ -1,0 +1,81 @@
+"""Deformation of the wall: equations (1) to (3) and (6) on the shell's unknowns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import ufl
+
+from . import kinematics
+from .growth_strains import logarithmic_strain
+from .kinematics import Meridian
+
+
+@dataclass(frozen=True)
+class Deformation:
+    """Strains of the trial state in UFL.
+
+    Attributes
+    ----------
+    R
+        Reference radius.
+    current
+        The current meridian.
+    strain, E
+        Membrane and bending strains `(E1m, E2m, E1b, E2b)`, or `(E1m, E2m)` of a membrane; and
+        the same as a UFL variable, through which alone the energy depends on the state.
+    eps
+        Logarithmic strains `(ε1, ε2)` at each through-thickness integration point.
+    gamma, Q
+        Shear strain and shear force; None for a membrane.
+    """
+
+    R: Any
+    current: Meridian
+    strain: Any
+    E: Any
+    eps: list[Any]
+    gamma: Any = None
+    Q: Any = None
+
+    @property
+    def enclosed(self) -> Any:
+        """Enclosed volume per 2π and reference arc length."""
+        return self.current.r**2 * self.current.z_S / 2
+
+    @classmethod
+    def of_shell(cls, reference_meridian: Any, w: Any, distances: list[Any]) -> Deformation:
+        """Return the strains of `(u_r, u_z, β, Q)` at distances ξ from the mid-surface."""
+        R, Phi, Phi_S = reference_meridian
+        motion, Q = ufl.split(w)
+        u_r, u_z, beta = (motion[i] for i in range(3))
+        reference = Meridian(R, ufl.cos(Phi), ufl.sin(Phi), Phi, Phi_S)
+        current = Meridian(
+            r=reference.r + u_r,
+            r_S=reference.r_S + u_r.dx(0),
+            z_S=reference.z_S + u_z.dx(0),
+            psi=Phi + beta,
+            psi_S=Phi_S + beta.dx(0),
+        )
+        parts = kinematics.strains(reference, current)
+        strain = ufl.as_vector([parts.E1m, parts.E2m, parts.E1b, parts.E2b])
+        E = ufl.variable(strain)
+        varied = kinematics.Strains(E[0], E[1], E[2], E[3], parts.gamma)
+        eps = [_logarithmic(kinematics.green_lagrange(varied, xi)) for xi in distances]
+        return cls(R, current, strain, E, eps, parts.gamma, Q)
+
+    @classmethod
+    def of_membrane(cls, reference_meridian: Any, w: Any) -> Deformation:
+        """Return the strains of `(u_r, u_z)` at the mid-surface."""
+        R, Phi, _ = reference_meridian
+        u_r, u_z = (w[i] for i in range(2))
+        r, r_S, z_S = R + u_r, ufl.cos(Phi) + u_r.dx(0), ufl.sin(Phi) + u_z.dx(0)
+        strain = ufl.as_vector(kinematics.membrane_strains(R, r, r_S, z_S))
+        E = ufl.variable(strain)
+        eps = [_logarithmic((E[0], E[1]))]
+        return cls(R, Meridian(r, r_S, z_S, psi=None, psi_S=None), strain, E, eps)
+
+
+def _logarithmic(E: tuple[Any, Any]) -> Any:
+    return ufl.as_vector([logarithmic_strain(E_i) for E_i in E])
