@@ -66,7 +66,10 @@ class Static:
         if (lost := self._preload(coordinates)) is not None:
             return lost
         yield self._accept(0)
-        points = follow_path(shell, coordinates, path.control, target, path.steps, self._tolerance)
+        closed = self._scene.cell.closed
+        points = follow_path(
+            shell, coordinates, path.control, target, path.steps, self._tolerance, closed
+        )
         try:
             for iterations in points:
                 yield self._accept(iterations)
@@ -87,7 +90,7 @@ class Static:
         if until.of_load:
             of_force = PathCoordinates(shell.force, length_scale(scene), force_scale(scene))
             if until.displacement is not None:
-                return of_force, PathTarget(0, until.displacement / of_force.amount_unit)
+                return of_force, PathTarget(0, until.displacement / of_force.conjugate_unit)
             return of_force, PathTarget(1, (until.force or 0.0) / of_force.load_unit)
         volume_0, unit = shell.reference_volume, pressure_scale(scene)
         of_pressure = PathCoordinates(shell.pressure, volume_0, unit)

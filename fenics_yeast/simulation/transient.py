@@ -5,16 +5,16 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Generator, Sequence
 from contextlib import ExitStack
-from typing import Self
+from typing import Any, Self
 
 from ..mechanics import Shell
 from ..scene import PressureTable, Scene
 from ..solve import (
     TABLEAUX,
-    ApproachEnd,
     Equilibrium,
     EquilibriumError,
     PathError,
+    Resumable,
     Stability,
     StepController,
     StepResult,
@@ -69,6 +69,13 @@ class Transient:
         self._switches = sorted(time for zone in scene.growing for time in zone.span)
         self._kinks = self._find_kinks()
         self._controller = self._step_controller()
+        # By the names of a checkpoint. The solver comes first, as it moves the shell.
+        self._resumable: dict[str, Resumable[Any]] = {
+            "chord": self._equilibrium,
+            "stepper": self._stepper,
+            "controller": self._controller,
+            "stability": self._stability,
+        }
         self.checkpoint: Checkpoint | None = None
 
     def __enter__(self) -> Self:
@@ -79,14 +86,12 @@ class Transient:
 
     @property
     def _time(self) -> float:
-        return self._stepper.accepted.time
+        return self._stepper.time
 
     def restore(self, checkpoint: Checkpoint) -> None:
         """Continue from a checkpoint, whose arrays are those of this rank."""
-        self._equilibrium.restore(checkpoint.chord)
-        self._stepper.restore(checkpoint.stepper)
-        self._controller.restore(checkpoint.controller)
-        self._stability.restore(checkpoint.stability)
+        for name, part in self._resumable.items():
+            part.restore(getattr(checkpoint, name))
         self._reduced = checkpoint.step_reduced
         self.checkpoint = checkpoint
 
@@ -146,10 +151,7 @@ class Transient:
             recorder.save()
         self.checkpoint = Checkpoint(
             scene="",
-            stepper=self._stepper.state(),
-            chord=self._equilibrium.state(),
-            controller=self._controller.state(),
-            stability=self._stability.state(),
+            **{name: part.state() for name, part in self._resumable.items()},
             step_reduced=self._reduced,
             recorder=recorder.state(),
             timings=Timings(),
@@ -297,7 +299,7 @@ class Transient:
         )
         self._stepper.reset_predictor()
         self._recorder.iterations += iterations
-        return found is ApproachEnd.LIMIT
+        return found
 
     def _volume_rate(self, end: float) -> float:
         """Rate of the volume in µm³/min: that of the last step, and what the pressure changes."""

@@ -106,7 +106,7 @@ def test_an_interrupt_keeps_what_it_has(scene: Scene) -> None:
 def test_an_interrupt_within_newtons_method_keeps_the_accepted_state(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stages = TimeStepper._stages
+    stages = TimeStepper._solve_stages
 
     def interrupted(self: TimeStepper, end: float):  # type: ignore[no-untyped-def]
         step = stages(self, end)
@@ -115,7 +115,7 @@ def test_an_interrupt_within_newtons_method_keeps_the_accepted_state(
         return step
 
     whole = simulate(scene)
-    monkeypatch.setattr(TimeStepper, "_stages", interrupted)
+    monkeypatch.setattr(TimeStepper, "_solve_stages", interrupted)
     result = simulate(scene)
     assert result.status == "interrupted"
     assert_kept(result, 5)

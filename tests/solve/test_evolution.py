@@ -161,8 +161,8 @@ def started(scene, name: str, pressure) -> Iterator[TimeStepper]:
 def bits(evolution: TimeStepper) -> list[bytes]:
     """All that a step may change and the next step reads."""
     shell, state = evolution.shell, evolution.accepted
-    arrays = [shell.w.x.array, shell.growth.get(), state.wall.w, state.wall.eps_g]
-    numbers = [shell.pressure.value, shell.growth.stage.value, state.time]
+    arrays = [shell.w.x.array, shell.growth.get(), state.w, state.eps_g]
+    numbers = [shell.pressure.value, shell.growth.stage.value, evolution.time]
     return [np.array(item).tobytes() for item in (*arrays, *numbers)]
 
 
