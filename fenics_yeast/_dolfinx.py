@@ -45,6 +45,7 @@ except ImportError:  # dolfinx 0.5 describes elements in ufl
     basix_ufl = None
 
 from . import _form_cache
+from .geometry import NEAR
 
 _ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
 _NEW_SPACES = hasattr(fem, "functionspace")
@@ -109,7 +110,7 @@ def element_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
 
 def end_tag(mesh: Any, S: float) -> Any:
     """Return the tag 1 at the end of the mesh at arc length `S`."""
-    tolerance = 1e-9 * max(abs(S), 1.0)
+    tolerance = NEAR * max(abs(S), 1.0)
     vertices = dolfinx.mesh.locate_entities_boundary(
         mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
     )
@@ -126,7 +127,7 @@ def element_vertices(mesh: Any) -> NDArray[np.int32]:
 
 def end_dofs(space: Any, component: int, S: float) -> NDArray[np.int32]:
     """Return the DOFs of a component of the motion at the end of the mesh at `S`."""
-    tolerance = 1e-9 * max(abs(S), 1.0)
+    tolerance = NEAR * max(abs(S), 1.0)
     vertices = dolfinx.mesh.locate_entities_boundary(
         space.mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
     )

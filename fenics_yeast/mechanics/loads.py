@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
+from ..geometry import NEAR
 
 Array = NDArray[np.float64]
 
@@ -34,7 +35,7 @@ class NodalForce:
 
     def __init__(self, w: Any, comm: Any, S: float, scale: float) -> None:
         places, dofs = dx.node_dofs(w.function_space)
-        here = np.abs(places - S) < 1e-9 * max(S, 1.0)
+        here = np.abs(places - S) < NEAR * max(S, 1.0)
         self._dofs, self._comm = dofs[here, 1], comm  # empty on ranks that do not own the node
         self._w = w.x.array
         self.value = self._origin = 0.0

@@ -1,14 +1,9 @@
-"""The output folder of a run, written as the run goes."""
+"""Write the output directory of a run while it runs."""
 
 from __future__ import annotations
 
-import errno
-import json
 import os
-import platform
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import asdict
+from collections.abc import Iterable
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
@@ -17,92 +12,58 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from ..scene import Scene
-from ..simulation import COLUMNS, ErrorBars, Profile, Profiles, Result, Row, Timings
+from ..simulation import COLUMNS, Profile, Profiles, Result, Row, Timings
+from .errors import OutputError
+from .files import (
+    CHECKPOINT,
+    FIGURES,
+    HISTORY,
+    PROFILES,
+    RUN,
+    SCENE,
+    SERIES,
+    SURFACES,
+    replace_file,
+    writing,
+)
+from .summary import Summary
 
 if TYPE_CHECKING:
     from ..simulation import Checkpoint, ResumePoint
 
-SCENE, HISTORY, PROFILES, RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
-CHECKPOINT = "checkpoint.npz"
-# Within the folder, made of the others by other modules.
-SHAPES, VOLUME, MERIDIAN = (f"figures/{name}.png" for name in ("shapes", "volume", "meridian"))
-FIGURES = (SHAPES, VOLUME, MERIDIAN)
-SERIES, SURFACES = "surface.pvd", "surface"
 _HEADER = ",".join(COLUMNS)
 
 # Rewriting all profiles at each of very many saved times takes at most this part of the time.
 _PROFILES_SHARE = 0.1
 
 
-class OutputError(Exception):
-    """An output folder that cannot be written or read; the message is one line."""
-
-
-class OutputWriteError(OutputError):
-    """A folder that cannot be written: `problem` is the message without what to do about it."""
-
-    def __init__(self, problem: str, advice: str) -> None:
-        super().__init__(f"{problem}; {advice}")
-        self.problem = problem
-
-
-@contextmanager
-def writing(directory: Path) -> Iterator[None]:
-    """Turn what goes wrong in writing to an output folder into an `OutputWriteError`."""
-    advice = "choose another output folder"
-    try:
-        yield
-    except (FileExistsError, NotADirectoryError):
-        problem = "is a file, or lies below one"
-    except OSError as error:
-        problem = f"cannot be written: {error.strerror or error}"
-        if error.errno in (errno.ENOSPC, errno.EDQUOT):
-            advice = f"make room there, or {advice}"
-    else:
-        return
-    raise OutputWriteError(f"{directory}: {problem}", advice)
-
-
-def replace_file(path: Path, content: bytes) -> None:
-    """Write a file that takes the place of an earlier one only once it is complete."""
-    temporary = path.with_name(path.name + ".part")
-    try:
-        with open(temporary, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
 class OutputFolder:
-    """Folder that takes in a run while it goes: an `Observer`, and a context manager.
+    """Writer of the output directory of a run: an `Observer`, and a context manager.
 
-    A row of the history is in its file as soon as the step is accepted; every other file is
-    written under a temporary name, flushed to the disk and renamed. If the folder is removed while
-    the run goes, it is made again with all there was in it. Under MPI rank 0 alone has one.
+    A row is in the history file as soon as its step is accepted; other files are written under a
+    temporary name, flushed to disk and renamed. If the directory is removed during the run, it is
+    created again with everything that it held. Under MPI, only rank 0 has one.
 
     Parameters
     ----------
     path
-        The folder, made where missing. Files of an earlier run in it are replaced, others stay.
+        The directory, created if missing. Files of an earlier run are replaced, others stay.
     scene
         The scene to be run.
     start
-        Where the run is taken up that the folder holds; None for a new run.
+        State from which the run in the directory resumes; None for a new run.
 
     Attributes
     ----------
     complete
-        Whether there is a summary of this run, and all but figures.
-    can_go_on
-        Whether there is a checkpoint of it.
+        Whether everything but figures has been written.
+    can_resume
+        Whether there is a checkpoint of this run.
 
     Raises
     ------
     OutputError
-        If the folder cannot be written, or holds files under our names that no run has left.
+        If the directory cannot be written, or its files of these names are not those of a run.
     """
 
     def __init__(self, path: Path, scene: Scene, start: ResumePoint | None = None) -> None:
@@ -111,7 +72,7 @@ class OutputFolder:
         self._rows: list[Row] = [] if start is None else list(start.rows)  # in the file
         self._kept: list[Profile] = [] if start is None else list(start.profiles)
         self._profiles_written = 0
-        self.complete, self.can_go_on = False, start is not None
+        self.complete, self.can_resume = False, start is not None
         self._may_write_at = 0.0
         with writing(self.path):
             if start is None:
@@ -129,12 +90,12 @@ class OutputFolder:
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """Rows of the history so far."""
+        """Rows so far."""
         return tuple(self._rows)
 
     @property
     def profiles(self) -> tuple[Profile, ...]:
-        """Profiles of the saved times so far."""
+        """Profiles so far."""
         return tuple(self._kept)
 
     def accepted(self, row: Row) -> None:
@@ -145,7 +106,7 @@ class OutputFolder:
         self._rows.append(row)
 
     def saved(self, profile: Profile) -> None:
-        """Write the profiles anew with one more, unless that was done a moment ago."""
+        """Add a profile and rewrite their file, unless that was done a moment ago."""
         self._present()
         self._kept.append(profile)
         began = perf_counter()
@@ -155,24 +116,19 @@ class OutputFolder:
             self._may_write_at = now + (now - began) / _PROFILES_SHARE
 
     def keep(self, checkpoint: Checkpoint) -> None:
-        """Write a checkpoint in the place of the last one, once all that it counts is there."""
+        """Replace the checkpoint, after writing the rows and profiles that it needs."""
         self._present()
         if self._profiles_written != len(self._kept):
             self._write_profiles()
         with writing(self.path):
             os.fsync(self._history.fileno())
-            self._replace(CHECKPOINT, checkpoint.to_bytes())
-        self.can_go_on = True
+            replace_file(self.path / CHECKPOINT, checkpoint.to_bytes())
+        self.can_resume = True
 
     def finish(self, result: Result, timings: Timings) -> None:
-        """Complete the folder with what is known at the end; again, where more is known.
+        """Complete the directory; may be called again when more is known.
 
-        Parameters
-        ----------
-        result
-            Outcome of the run.
-        timings
-            Those of the whole command, in place of the result's own.
+        `timings` are those of the whole command and replace those of the result.
         """
         self._present()
         if self._profiles_written != len(result.profiles):
@@ -184,51 +140,38 @@ class OutputFolder:
         self.summarise(result, timings)
 
     def summarise(self, result: Result, timings: Timings) -> None:
-        """Write the summary alone, as far as there may be room."""
-        summary: dict[str, object] = {
-            "status": result.status,
-            "end_time_min": float(result.end_time),
-            "message": result.message,
-            "versions": _versions(),
-            "dofs": int(result.dofs),
-            "steps": int(result.steps),
-            "rejected_steps": int(result.rejected_steps),
-            "newton_iterations": int(result.newton_iterations),
-            "timings": asdict(timings),
-        }
-        if result.error_bars is not None:
-            summary["error_bars"] = _error_bars(result.error_bars)
+        """Write only the summary, which needs little space."""
         with writing(self.path):
-            self._replace(RUN, (json.dumps(summary, indent=2) + "\n").encode())
+            replace_file(self.path / RUN, Summary.of(result, timings).to_json())
         self.complete = True
 
     def _claim(self) -> None:
-        """Make the folder, or clear it of what an earlier run would go on from."""
+        """Create the directory, or remove the files from which an earlier run could resume."""
         ours = [self.path / name for name in (SCENE, HISTORY, PROFILES, RUN)]
         found = [file.name for file in ours if file.exists()]
         if found and (SCENE not in found or len(found) == 1):
             raise OutputError(
-                f"{self.path}: holds a {found[0]} that no run has left; choose another folder"
+                f"{self.path}: its {found[0]} is not from a run; choose another directory"
             )
         self.path.mkdir(parents=True, exist_ok=True)
-        for name in (CHECKPOINT, PROFILES):  # the checkpoint first: it needs the others
+        for name in (CHECKPOINT, PROFILES):  # the checkpoint first, as it needs the others
             (self.path / name).unlink(missing_ok=True)
 
     def _clear(self) -> None:
-        """Remove what tells of the end of an earlier run."""
+        """Remove the summary and figures of an earlier run."""
         for name in (RUN, *FIGURES, SERIES):
             (self.path / name).unlink(missing_ok=True)
         for surface in (self.path / SURFACES).glob("*.vtu"):
             surface.unlink()
 
     def _begin(self) -> None:
-        """Write the scene, and the history as far as it is known."""
-        self._replace(SCENE, self._scene.to_toml().encode())
+        """Write the scene, and the history so far."""
+        replace_file(self.path / SCENE, self._scene.to_toml().encode())
         self._write_history(self._rows)
         self._history = open(self.path / HISTORY, "ab", buffering=0)  # noqa: SIM115
 
     def _present(self) -> None:
-        """Make the folder again if it has been removed."""
+        """Create the directory again if it has been removed."""
         if (self.path / HISTORY).exists():
             return
         with writing(self.path):
@@ -239,7 +182,7 @@ class OutputFolder:
             self._write_profiles()
 
     def _append(self, line: str) -> None:
-        """Add a whole line, or none where the disk is full."""
+        """Append a whole line, or nothing if the disk is full."""
         content = (line + "\n").encode()
         whole = os.fstat(self._history.fileno()).st_size
         try:
@@ -251,49 +194,21 @@ class OutputFolder:
 
     def _write_history(self, rows: Iterable[Row]) -> None:
         lines = [_HEADER, *map(_line, rows)]
-        self._replace(HISTORY, "".join(line + "\n" for line in lines).encode())
+        replace_file(self.path / HISTORY, "".join(line + "\n" for line in lines).encode())
 
     def _write_profiles(self) -> None:
         content = BytesIO()
         np.savez(content, **Profiles(tuple(self._kept)).arrays())
         with writing(self.path):
-            self._replace(PROFILES, content.getvalue())
+            replace_file(self.path / PROFILES, content.getvalue())
         self._profiles_written = len(self._kept)
-
-    def _replace(self, name: str, content: bytes) -> None:
-        """Write a file that takes the place of an earlier one only once it is complete."""
-        replace_file(self.path / name, content)
 
 
 def _line(row: Row) -> str:
-    """Values of a row as Python's own numbers, which print with all their digits."""
+    """Return a row as text, with all digits of its numbers."""
     return ",".join(repr(column_type(name)(getattr(row, name))) for name in COLUMNS)
 
 
 def column_type(column: str) -> type[float] | type[int]:
-    """What the numbers of a column of the history are."""
+    """Return the type of the numbers of a history column."""
     return int if column in ("newton_iterations", "stable") else float
-
-
-def _error_bars(bars: ErrorBars) -> dict[str, object]:
-    """Error bars for JSON, which has null in place of "not a number"."""
-    columns = {
-        name: [None if np.isnan(value) else float(value) for value in column]
-        for name, column in bars.columns().items()
-    }
-    return {**columns, "message": bars.message}
-
-
-def _versions() -> dict[str, str]:
-    import dolfinx
-    from petsc4py import PETSc
-
-    from .. import __version__
-
-    return {
-        "fenics_yeast": __version__,
-        "dolfinx": dolfinx.__version__,
-        "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-    }

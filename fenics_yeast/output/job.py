@@ -1,4 +1,4 @@
-"""A scene run into an output folder, on any number of ranks: simulation and summary."""
+"""Run a scene into an output directory, on any number of ranks."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 from ..scene import Scene
 from ..simulation import History, Observer, Profiles, Result, Row, Status, Timings
-from .folder import OutputError, OutputFolder, OutputWriteError, writing
+from .errors import DolfinxMissing, OutputError, OutputWriteError, RunLost
+from .files import writing
+from .folder import OutputFolder
 from .interrupts import Interrupts
 
 if TYPE_CHECKING:
@@ -20,82 +22,68 @@ if TYPE_CHECKING:
     from .restart import EarlierRun
 
 
-class DolfinxMissing(Exception):
-    """dolfinx cannot be loaded or compiles nothing; the message is a line that says what to do."""
+T = TypeVar("T")
 
 
 class Screen(Observer, Protocol):
-    """An observer that shows a run between entry and exit."""
+    """An observer that shows a run; a context manager."""
 
     def __enter__(self) -> object: ...
 
     def __exit__(self, *_: object) -> None: ...
 
     def resumed(self, row: Row, rows: int) -> None:
-        """Take note of the row from which an earlier run goes on, the last of so many."""
+        """Show the row from which an earlier run resumes, and their number."""
 
     def note(self, line: str) -> None:
-        """Show a line to the user."""
+        """Show a line."""
 
     def refining(self, part: str) -> None:
-        """Take note of a run that is refined in one part, for the error bars."""
-
-
-class RunLost(Exception):
-    """The folder stopped taking in the run half-way, as a full disk does.
-
-    The message is a line that says what to do, `problem` the line without that. Where it is not
-    raised `everywhere` other ranks still wait for rank 0.
-    """
-
-    def __init__(self, problem: str, advice: str, *, everywhere: bool) -> None:
-        super().__init__(f"{problem}; {advice}")
-        self.problem, self.everywhere = problem, everywhere
+        """Show which part of the numerics is refined for the error bars."""
 
 
 class Job:
-    """A run of a scene into an output folder: a context manager.
+    """A run of a scene into an output directory; a context manager.
 
         with Job(Path("out/bud"), scene) as job:
             result = job.run()
             job.complete(result, lambda: draw(job.path, result))
 
-    Every rank of the communicator does this; rank 0 alone writes.
+    Every rank of the communicator does this; only rank 0 writes.
 
     Parameters
     ----------
     path
-        The output folder.
+        The output directory.
     scene
         What to run.
     screen
         Shows the run, on rank 0.
     comm
-        MPI communicator of the run; all ranks of the world if left out.
+        MPI communicator of the run; by default all ranks of the world.
     began
         `time.perf_counter()` when the command began, for the total time.
     resume
-        Whether a run of the scene that the folder holds is taken up where it is; where there is
-        none the scene is run from the beginning.
+        Whether to resume a run of the scene in the directory, if there is one.
 
     Attributes
     ----------
     path, scene, comm
         As given.
     ended
-        What an earlier run found to which nothing is to be added, or None.
+        Result of an earlier run, if nothing remains to be computed, or None.
     interrupts
-        The signals that interrupt the run, an observer.
+        Signals that interrupt the run, an observer.
 
     Raises
     ------
     DolfinxMissing
         If dolfinx cannot be loaded, or finds no C compiler.
     OutputError
-        On every rank, before anything is computed, if the folder cannot be written, or if what
-        it holds cannot be taken up.
+        On every rank, before anything is computed, if the directory cannot be written, or if the
+        run in it cannot be resumed.
     RunLost
-        If the folder cannot be written later on.
+        If the directory cannot be written later.
     """
 
     def __init__(
@@ -133,7 +121,7 @@ class Job:
             self._import_s = perf_counter() - importing
             self._began = importing if self._began is None else self._began
             if self._resume:
-                earlier = self._look_back()
+                earlier = self._find_earlier_run()
                 self._start, self.ended = earlier.start, earlier.ended
             self.interrupts = Interrupts(self.comm)
             self._stack = stack.pop_all()
@@ -147,36 +135,36 @@ class Job:
 
         with self._stack:
             if isinstance(error, CheckpointError):
-                problem = f"{self.path}: its checkpoint {error}; run the scene anew"
+                problem = f"{self.path}: its checkpoint {error}; rerun the scene without --resume"
                 raise OutputError(problem) from None
             if isinstance(error, OutputWriteError):
                 advice = self._lose(error)
                 raise RunLost(error.problem, advice, everywhere=not self._simulated) from None
             if isinstance(error, RootError):  # on other ranks than 0
-                raise RunLost(str(error), "rank 0 tells more", everywhere=True) from None
+                raise RunLost(str(error), "see the message of rank 0", everywhere=True) from None
             if isinstance(error, CompilerError):
                 raise DolfinxMissing(str(error)) from None
 
-    def announce_ended(self) -> None:
-        """Say that there is nothing to be added to an earlier run."""
+    def note_ended(self) -> None:
+        """Show that an earlier run had ended."""
         if self._screen is not None and self.ended is not None:
-            self._screen.note(f"{self.path}: ended before: {self.ended.message}")
+            self._screen.note(f"{self.path}: already complete: {self.ended.message}")
 
     def run(self) -> Result:
-        """Simulate, and keep in the folder all but figures.
+        """Simulate, and write everything but figures.
 
         Returns
         -------
         Result
-            As of `simulate`, its status and message the same on all ranks. A run that is
-            interrupted is told in the result; what interrupts it again waits for `complete`.
+            As from `simulate`, with the same status and message on all ranks. It reports an
+            interrupt; further ones wait for `complete`.
         """
         from ..simulation import Observers, simulate
 
         self._folder = self._open()
         if self._folder is not None:
             self._stack.enter_context(self._folder)
-        self._announce_start()
+        self._note_start()
         self._stack.enter_context(self.interrupts)
         observers: list[Observer] = []
         if self.comm.rank == 0:
@@ -202,12 +190,12 @@ class Job:
         return result
 
     def complete(self, result: Result, make: Callable[[], object] | None = None) -> None:
-        """Let interrupts act again, and make on rank 0 what there may be no time for.
+        """Let interrupts act again, and make figures and the like on rank 0.
 
         Raises
         ------
         KeyboardInterrupt
-            If a run is interrupted that was not before: the folder holds all but what was made.
+            If this is interrupted and the run was not; only what was being made is missing.
         """
         if self._folder is None:
             return
@@ -223,12 +211,12 @@ class Job:
         self._finish(result, perf_counter() - began)
 
     def extend(self, result: Result, compute: Callable[[], Result], what: str) -> Result:
-        """Add to a result what takes further runs, on all ranks, and keep it in the folder.
+        """Extend a result by further runs, on all ranks, and write it.
 
         Raises
         ------
         KeyboardInterrupt
-            If these are interrupted: the folder then holds the result as it was, and says so.
+            If these are interrupted; the directory keeps the result as it was, with a note.
         """
         try:
             result = compute()
@@ -240,10 +228,10 @@ class Job:
         self._finish(result)
         return result
 
-    # --- the folder, on rank 0 ------------------------------------------------------------
+    # --- the directory, on rank 0 ------------------------------------------------------------
 
-    def _look_back(self) -> EarlierRun:
-        """What the folder holds of an earlier run, read on rank 0; profiles are there alone."""
+    def _find_earlier_run(self) -> EarlierRun:
+        """Return the earlier run in the directory, its profiles only on rank 0."""
         from .restart import EarlierRun, find_earlier_run
 
         earlier = self._on_root(lambda: find_earlier_run(self.path, self.scene))
@@ -257,30 +245,28 @@ class Job:
     def _open(self) -> OutputFolder | None:
         return self._on_root(lambda: OutputFolder(self.path, self.scene, self._start))
 
-    def _on_root(self, act: Callable[[], Any]) -> Any:
-        """What something gives on rank 0; every rank learns whether that worked."""
-        found, problem = None, None
-        if self.comm.rank == 0:
-            try:
-                found = act()
-            except OutputError as error:
-                problem = str(error)
-        problem = self.comm.bcast(problem)
-        if problem is not None:
-            raise OutputError(problem)
-        return found
+    def _on_root(self, act: Callable[[], T]) -> T | None:
+        """Act on rank 0; every rank learns whether that worked."""
+        from ..simulation import RootError, on_root
 
-    def _announce_start(self) -> None:
-        """Say where an earlier run is taken up, or why it is not."""
+        try:
+            return on_root(self.comm, act)
+        except RootError as error:
+            cause = error.__cause__
+            if cause is not None and not isinstance(cause, OutputError):
+                raise cause from None
+            raise OutputError(str(cause or error)) from None
+
+    def _note_start(self) -> None:
+        """Show where an earlier run resumes, or why it does not."""
         if self._screen is None or not self._resume:
             return
         if self._start is not None:
             self._screen.resumed(self._start.rows[-1], len(self._start.rows))
         elif self.scene.path is not None:
-            self._screen.note("a path is not taken up half-way: it starts from the beginning")
+            self._screen.note("a path cannot be resumed; starting from the beginning")
         else:
-            line = "no checkpoint to go on from; the run starts from the beginning"
-            self._screen.note(f"{self.path}: {line}")
+            self._screen.note(f"{self.path}: no checkpoint; starting from the beginning")
 
     def _keep(self, checkpoint: Checkpoint) -> None:
         if self._folder is not None:
@@ -292,7 +278,7 @@ class Job:
             self._folder.finish(result, self._whole(result.timings, output_s))
 
     def _whole(self, timings: Timings, output_s: float = 0.0) -> Timings:
-        """Timings of the whole command, earlier parts included, in place of a simulation's."""
+        """Return the timings of the whole command, including earlier parts of the run."""
         assert self._began is not None
         before = Timings() if self._start is None else self._start.checkpoint.timings
         return replace(
@@ -303,7 +289,7 @@ class Job:
         )
 
     def _cut_short(self, status: Status, message: str = "") -> Result:
-        """Result of a run that ended outside of its steps, from what its folder has taken in."""
+        """Return the result of a run that ended outside its steps, from its directory."""
         rows = () if self._folder is None else self._folder.rows
         when = f"at {rows[-1].time_min:g} min" if rows else "before the first equilibrium"
         before = None if self._start is None else self._start.checkpoint
@@ -321,17 +307,17 @@ class Job:
         )
 
     def _lose(self, error: OutputWriteError) -> str:
-        """What to do about a folder that takes in no more; its summary tells, if there is room."""
-        then = "run the scene again"
+        """Write the summary if there is room; return what to do about an unwritable directory."""
+        advice = "fix this, then rerun the scene"
         if self._folder is not None and self._folder.complete:
-            then = f"fenics-yeast plot {self.path} draws what lacks"
+            advice = f"to create missing figures, run: fenics-yeast plot {self.path}"
         elif self._folder is not None:
             with suppress(OutputError):
                 result = self._cut_short("failed", error.problem)
                 self._folder.summarise(result, self._whole(result.timings))
-            if self._folder.can_go_on:
-                then = "the same command with --resume goes on"
-        return f"once that is mended, {then}"
+            if self._folder.can_resume:
+                advice = "fix this, then rerun with --resume"
+        return advice
 
 
 def run_into(
@@ -343,7 +329,7 @@ def run_into(
     began: float | None = None,
     resume: bool = False,
 ) -> Result:
-    """Run a scene; leave its history, profiles and summary in a folder.
+    """Run a scene; write history, profiles and summary to a directory.
 
     Parameters and errors are those of `Job`.
 
@@ -354,7 +340,7 @@ def run_into(
     """
     with Job(path, scene, screen=screen, comm=comm, began=began, resume=resume) as job:
         if job.ended is not None:
-            job.announce_ended()
+            job.note_ended()
             return job.ended
         result = job.run()
         job.complete(result)

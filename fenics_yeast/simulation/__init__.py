@@ -11,17 +11,18 @@ from .discretise import discretise
 from .history import COLUMNS, History, Row
 from .observers import Observers
 from .profiles import Profile, Profiles
-from .result import ErrorBars, Observer, Result, Status, Timings
+from .ranks import RootError, on_root
+from .result import EXIT_STATUS, ErrorBars, Observer, Result, Status, Timings
 from .separation import pieces
 
 if TYPE_CHECKING:
     from .build import build_shell
     from .checkpoint import Checkpoint, CheckpointError, ResumePoint
-    from .ranks import RootError
     from .simulation import Simulation, simulate
 
 __all__ = [
     "COLUMNS",
+    "EXIT_STATUS",
     "Checkpoint",
     "CheckpointError",
     "ErrorBars",
@@ -39,6 +40,7 @@ __all__ = [
     "Timings",
     "build_shell",
     "discretise",
+    "on_root",
     "pieces",
     "simulate",
 ]
@@ -47,7 +49,6 @@ __all__ = [
 _LATE = {
     "Checkpoint": "checkpoint",
     "CheckpointError": "checkpoint",
-    "RootError": "ranks",
     "Simulation": "simulation",
     "ResumePoint": "checkpoint",
     "build_shell": "build",

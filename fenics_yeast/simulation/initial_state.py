@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
+from ..geometry import NEAR
 from ..mechanics import Shell
 from .profiles import Profile
 
 Array = NDArray[np.float64]
-
-_NEAR = 1e-9  # of the meridian's length: places that differ by less are the same
 
 
 def set_initial_state(shell: Shell, profile: Profile | None) -> None:
@@ -35,7 +34,7 @@ def set_initial_state(shell: Shell, profile: Profile | None) -> None:
     assert profile is not None
     curve = shell.discretisation.curve
     S, dofs = dx.node_dofs(shell.space)
-    near = _NEAR * curve.length
+    near = NEAR * curve.length
     places = _places(S, profile.S, near, "nodes")
     moved = (profile.r - curve.radius(profile.S), profile.z - curve.height(profile.S),
              profile.psi - curve.angle(profile.S))  # fmt: skip

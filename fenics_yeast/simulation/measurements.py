@@ -9,7 +9,7 @@ import ufl
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import edges
+from ..geometry import NEAR, edges
 from ..mechanics import Order, Shell, WallPoint
 from .profiles import Profile
 
@@ -35,7 +35,7 @@ class Measurements:
         self._nodes = Order(shell.comm, self._S)
         self._R, self._Z = curve.radius(self._S), curve.height(self._S)
         self._Phi = curve.angle(self._S)
-        near = 1e-9 * curve.length
+        near = NEAR * curve.length
         bottom, top = (np.abs(self._S - S) < near for S in shell.discretisation.ends_at)
         edge = bud = np.zeros(len(self._S), dtype=bool)
         for zone in growing:

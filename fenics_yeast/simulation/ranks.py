@@ -7,10 +7,11 @@ from collections.abc import Callable
 from time import monotonic, sleep
 from typing import Any, Self, TypeVar
 
+from .result import EXIT_STATUS
+
 T = TypeVar("T")
 
-_PATIENCE = 10.0  # seconds; ranks that meet an error meet it at the same step
-_GAVE_UP, _INTERRUPTED = 4, 130
+_PATIENCE = 10.0  # seconds; ranks that share an error raise it in the same step
 
 
 class RootError(RuntimeError):
@@ -52,12 +53,11 @@ def on_root(comm: Any, act: Callable[[], T]) -> T | None:
 class OtherRanks:
     """The other ranks that share a wall; a context manager.
 
-    An error on one rank would leave the others waiting for it in their next collective call,
-    without end.
+    An error on one rank would leave the others waiting forever in their next collective call.
     """
 
     def __init__(self, comm: Any) -> None:
-        # A communicator of its own: nothing here must match what the others wait for.
+        # A separate communicator: nothing here may match a call that the others wait in.
         self._comm: Any = comm.Dup() if comm.size > 1 else None
 
     def __enter__(self) -> Self:
@@ -82,8 +82,9 @@ class OtherRanks:
         words = f"{type(error).__name__}: {error}".replace("\n", " ")
         print(
             f"error: the run failed only on rank {self._comm.rank}, so all ranks end: {words}; "
-            "what it has written is kept",
+            "its output so far is kept",
             file=sys.stderr,
             flush=True,
         )
-        self._comm.Abort(_INTERRUPTED if isinstance(error, KeyboardInterrupt) else _GAVE_UP)
+        interrupted = isinstance(error, KeyboardInterrupt)
+        self._comm.Abort(EXIT_STATUS["interrupted" if interrupted else "failed"])

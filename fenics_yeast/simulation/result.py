@@ -16,6 +16,14 @@ Array = NDArray[np.float64]
 
 Status = Literal["finished", "no-equilibrium", "failed", "interrupted"]
 
+EXIT_STATUS: dict[Status, int] = {
+    "finished": 0,
+    "no-equilibrium": 3,
+    "failed": 4,
+    "interrupted": 130,
+}
+"""Exit status of a process, by how its run ended."""
+
 
 @dataclass(frozen=True)
 class Timings:

@@ -9,7 +9,7 @@ from io import StringIO
 from pathlib import Path
 from typing import get_args
 
-from ..output import OutputError, read_ending, read_history, read_scene, replace_file, writing
+from ..output import OutputError, read_history, read_scene, read_summary, replace_file, writing
 from ..scene import SceneError
 from ..simulation import Status
 from .cases import Case
@@ -65,8 +65,8 @@ def row_of(directory: Path, case: Case) -> CaseRow | None:
     folder = directory / case.name
     if not folder.exists() or read_scene(folder) != case.scene:
         return None
-    ending = read_ending(folder)
-    if ending is None:
+    summary = read_summary(folder)
+    if summary is None:
         return None
     history = read_history(folder)
     last = history.rows[-1] if len(history) else None
@@ -75,12 +75,12 @@ def row_of(directory: Path, case: Case) -> CaseRow | None:
     return CaseRow(
         case=case.name,
         values=case.values,
-        status=ending.status,
-        message=ending.message,
+        status=summary.status,
+        message=summary.message,
         end_time=last.time_min if last else None,
         end_ratio=last.volume_ratio if last else None,
         ratios=tuple((time, history.at(time).volume_ratio) for time in reached),
-        wall_s=ending.total_s,
+        wall_s=summary.timings.total_s,
     )
 
 
@@ -97,9 +97,9 @@ def was_cut_short(directory: Path, case: Case) -> bool:
     """Whether the case's folder holds a run of this very scene that has come to no end."""
     folder = directory / case.name
     try:
-        ending = read_ending(folder)
+        summary = read_summary(folder)
         return read_scene(folder) == case.scene and (
-            ending is None or ending.status not in _ANSWERS
+            summary is None or summary.status not in _ANSWERS
         )
     except (OutputError, SceneError):
         return False

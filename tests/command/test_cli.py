@@ -15,7 +15,7 @@ from support.scenes import SMALL
 from typer.testing import Result
 
 from fenics_yeast import Scene, _form_cache
-from fenics_yeast.output.reading import read_history, read_profiles, read_status
+from fenics_yeast.output import read_history, read_profiles, read_summary
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -126,7 +126,7 @@ def test_a_service_has_no_home_in_its_environment(
     command = [*COMMAND, "run", "small.toml", "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert read_status(here / "out" / "small") == "finished"
+    assert read_summary(here / "out" / "small").status == "finished"
 
 
 def test_an_unknown_user_without_a_home_runs_and_leaves_nothing(
@@ -206,7 +206,7 @@ def test_a_bad_scene_is_refused_in_a_line(
         (("run", "small.toml", "--out", "small.toml"), ("small.toml", "is a file")),
         (("run", "small.toml", "--out", "small.toml/x"), ("small.toml/x", "is a file")),
         (("run", "small.toml", "--out", "/proc/x"), ("/proc/x", "cannot be written")),
-        (("plot", "nowhere"), ("nowhere", "holds no scene.toml")),
+        (("plot", "nowhere"), ("nowhere", "no scene.toml")),
     ],
 )
 def test_bad_arguments_are_refused_in_a_line(
@@ -218,7 +218,7 @@ def test_bad_arguments_are_refused_in_a_line(
 
 def test_the_scene_itself_is_not_overwritten(here: Path) -> None:
     (here / "scene.toml").write_text(SMALL)
-    refused(call("run", "scene.toml", "--out", "."), "holds a scene.toml that no run has left")
+    refused(call("run", "scene.toml", "--out", "."), "its scene.toml is not from a run")
     assert (here / "scene.toml").read_text() == SMALL
 
 
@@ -234,7 +234,7 @@ def test_wrong_usage_exits_2(here: Path, arguments: Sequence[str]) -> None:
 
 def test_check_says_that_a_scene_is_valid(here: Path) -> None:
     result = call("check", "small.toml")
-    assert (result.exit_code, result.stdout) == (0, "small.toml: a valid scene\n")
+    assert (result.exit_code, result.stdout) == (0, "small.toml: valid\n")
     assert tree(here) == {"small.toml"}
 
 

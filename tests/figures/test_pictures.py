@@ -90,7 +90,7 @@ def test_what_does_not_move_is_not_filmed(tmp_path: Path, elastic_scene: Scene) 
     assert result.exit_code == 2 and result.stderr.count("\n") == 1
     (tmp_path / "sweep.csv").write_text("case,growth.time,status\n")
     result = call("plot", str(tmp_path), "--film")
-    assert result.exit_code == 2 and "one of its cases" in result.stderr
+    assert result.exit_code == 2 and "directory of a case" in result.stderr
 
 
 def test_mp4_is_written_by_ffmpeg(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

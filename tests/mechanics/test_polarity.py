@@ -216,8 +216,8 @@ def test_arc_length_from_the_tip_goes_over_ranks(whole, mpirun):
 @pytest.mark.parametrize(
     ("polarity", "said"),
     [
-        ('{ pole = "top" }', ["growth.polarity.width is missing", "a length greater than 0"]),
-        ("{ width = 0 }", ["growth.polarity.width = 0", "greater than 0"]),
+        ('{ pole = "top" }', ["growth.polarity.width is missing", "a length > 0"]),
+        ("{ width = 0 }", ["growth.polarity.width = 0", "> 0"]),
         ('{ width = 1, weight = "speed" }', ["polarity.weight", '"rate", "threshold"']),
         ('{ width = 1, follow = "nose" }', ["polarity.follow", '"point", "tip"']),
         ('{ width = 1, pole = "top", centre = 3 }', ["polarity.centre = 3", "either pole or"]),

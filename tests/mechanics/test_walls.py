@@ -190,5 +190,5 @@ def test_a_flat_membrane_is_blown_up(elastic_scene, stretch, load, rise) -> None
 
 def test_a_ring_without_bending_is_refused(elastic_scene: Scene) -> None:
     ring = {"shape": "cone", "outer_diameter": 4, "inner_diameter": 1, "height": 0}
-    with pytest.raises(ValueError, match=r"wall.bending = false: a flat ring without bending"):
+    with pytest.raises(ValueError, match=r"wall.bending = false: a flat membrane ring"):
         elastic_scene.with_values({"cell": ring, "wall.bending": False})

@@ -20,8 +20,7 @@ from typer.testing import Result
 
 from fenics_yeast import Scene, _dolfinx, simulate
 from fenics_yeast.mechanics.ordering import Ordering
-from fenics_yeast.output import restart
-from fenics_yeast.output.reading import read_history, read_profiles, read_result, read_status
+from fenics_yeast.output import read_history, read_profiles, read_result, read_summary, restart
 from fenics_yeast.simulation import COLUMNS, Observers, Profiles, build_shell
 from fenics_yeast.simulation import Result as RunResult
 from fenics_yeast.simulation import checkpointer as checkpointer
@@ -127,11 +126,11 @@ def test_every_step_can_be_taken_up(
         same(again, whole)
 
 
-def test_the_order_of_the_unknowns_is_that_of_their_places(cell_scene: Scene) -> None:
+def test_dofs_are_ordered_by_component_and_place(cell_scene: Scene) -> None:
     """Each place has its own rank in the order, and goes there and back."""
     for changes in ({}, {"wall.bending": False}):
         shell = build_shell(cell_scene.with_values({"numerics.elements": 40, **changes}))
-        components, S = _dolfinx.unknown_places(shell.space)
+        components, S = _dolfinx.dof_places(shell.space)
         assert len({*zip(components, S.round(12), strict=True)}) == len(shell.w.x.array)
         assert set(components) == ({0, 1, 2, 3} if shell.bending else {0, 1})
         shell.w.x.array[:] = 10.0 * components + S
@@ -233,7 +232,7 @@ def test_killed_ten_times_a_run_is_that_of_no_kill(
     for _ in range(KILLS):
         assert runs.kill("killed", next(moments), *options)
         reached.append(read_history(here / "killed").time_min[-1])  # which reads
-        assert read_status(here / "killed") is None
+        assert read_summary(here / "killed") is None
         options = ("--resume",)
     assert reached[-1] > reached[0] and reached[-1] < END
     runs.finish("killed", "--resume")
@@ -285,7 +284,7 @@ def test_a_finished_run_says_so_and_stays_as_it_is(finished: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in finished.rglob("*")}
     result = run("--resume")
     assert result.exit_code == 0 and result.stderr == ""
-    assert "out/small: ended before: reached 20 min" in result.stdout
+    assert "out/small: already complete: reached 20 min" in result.stdout
     assert {path: path.stat().st_mtime_ns for path in finished.rglob("*")} == before
 
 
@@ -300,14 +299,14 @@ def test_a_lost_equilibrium_says_so_with_its_exit_status(here: Path) -> None:
 def test_without_a_checkpoint_a_run_starts_from_the_beginning(here: Path) -> None:
     result = run("--resume")
     assert result.exit_code == 0
-    assert result.stdout.startswith("out/small: no checkpoint to go on from; the run starts from")
-    assert read_status(here / "out" / "small") == "finished"
+    assert result.stdout.startswith("out/small: no checkpoint; starting from")
+    assert read_summary(here / "out" / "small").status == "finished"
 
 
 def test_a_path_starts_from_the_beginning(here: Path) -> None:
     text = SMALL[: SMALL.index("[growth]")]
     (here / "small.toml").write_text(text + "[path]\nuntil = { volume_ratio = 1.1 }\nsteps = 4\n")
-    for word in ("a path is not taken up half-way", "ended before: reached 0.538"):
+    for word in ("a path cannot be resumed", "already complete: reached 0.538"):
         result = run("--resume")
         assert result.exit_code == 0 and word in result.stdout
 
@@ -316,7 +315,7 @@ def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
     earlier = read_result(finished)
     result = run("--resume", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
     assert result.exit_code == 0, result.output
-    assert "goes on from 20 min" in result.stdout
+    assert "resuming from 20 min" in result.stdout
     later = read_result(finished)
     assert later.history.rows[: len(earlier.history)] == earlier.history.rows
     assert later.history.time_min[-1] == 24
@@ -331,10 +330,10 @@ def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (["wall.thickness=0.2"], ["another scene", "wall.thickness = 0.1 in place of 0.2"]),
-        (["numerics.step=1"], ["another scene", "numerics.step = 2.0 in place of 1.0"]),
-        (["run.end=10", "run.save=[10]"], ["has come to 20 min already"]),
-        (["run.end=30", "run.save=[5, 30]"], ["has passed 5 min, which was not to be saved"]),
+        (["wall.thickness=0.2"], ["another scene", "wall.thickness = 0.1, not 0.2"]),
+        (["numerics.step=1"], ["another scene", "numerics.step = 2.0, not 1.0"]),
+        (["run.end=10", "run.save=[10]"], ["already at 20 min"]),
+        (["run.end=30", "run.save=[5, 30]"], ["5 min was added to run.save too late"]),
     ],
 )
 def test_what_the_folder_does_not_hold_is_refused(
@@ -383,7 +382,7 @@ def test_a_history_that_was_cut_behind_its_checkpoint_is_refused(finished: Path)
     lines = (finished / "history.csv").read_text().splitlines(keepends=True)
     (finished / "history.csv").write_text("".join(lines[:5]))
     (finished / "run.json").unlink()
-    refused(run("--resume"), "has lost row")
+    refused(run("--resume"), "is missing, which the checkpoint needs")
 
 
 def test_a_new_run_forgets_the_checkpoint_of_the_old_one(
@@ -415,7 +414,7 @@ def test_an_interrupted_run_goes_on(here: Path) -> None:
             stopped = lambda observers, stop=Stop: Observers([*observers, stop()])  # noqa: E731
             patch.setattr("fenics_yeast.simulation.Observers", stopped)
             assert run("--quiet", *(["--resume"] if at > 3 else [])).exit_code == 130
-        assert read_status(folder) == "interrupted"
+        assert read_summary(folder).status == "interrupted"
         assert read_result(folder).profiles.all[-1].time == read_history(folder).time_min[-1]
     assert run("--quiet", "--resume").exit_code == 0
     same(read_result(folder), whole)

@@ -138,14 +138,14 @@ def test_a_state_grown_outside_the_growing_zones_is_refused(bud):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (BALLOON + "[septum]", ["septum.at is missing", "where there is no neck"]),
+        (BALLOON + "[septum]", ["septum.at is missing", "there is no bud neck"]),
         (BALLOON + "[septum]\nat = 9", ["septum.at = 9", "ends at 7.85398 µm"]),
-        (BALLOON + "[septum]\nat = -1", ["septum.at = -1", "greater than 0"]),
-        (BUD + '[septum]\npiece = "left"', ["septum.piece", '"bottom", "top"']),
+        (BALLOON + "[septum]\nat = -1", ["septum.at = -1", "> 0"]),
+        (BUD + '[septum]\npiece = "left"', ["septum.piece", '"top", "bottom"']),
         (
             BALLOON.replace('shape = "sphere"\ndiameter = 5', 'shape = "disc"\ndiameter = 5')
             + "[septum]\nat = 1",
-            ["septum = {...}", "a closed cell is wanted, and a disc is none"],
+            ["septum = {...}", "requires a closed cell; a disc is open"],
         ),
     ],
 )

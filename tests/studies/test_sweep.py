@@ -14,7 +14,7 @@ import pytest
 from support.command import COMMAND, hear, lines, wait_for
 
 from fenics_yeast import Scene, SceneError, simulate
-from fenics_yeast.output.reading import read_history, read_status
+from fenics_yeast.output import read_history, read_summary
 from fenics_yeast.scene import unit_symbol
 from fenics_yeast.studies.cases import parse_variation, plan
 
@@ -136,9 +136,9 @@ def test_cases_are_the_product_of_the_lists(bud: Scene) -> None:
         ("growth.time=a:b:3", "a range is A:B:N"),
         ("growth.time=30 min:1 h:3", "in one unit"),
         ("growth.tim=30", "did you mean growth.time?"),
-        ("growth.time=45,-3", "growth.time = -3: a time greater than 0"),
-        ("growth.time=1 MPa:2 MPa:2", "a time greater than 0"),
-        ("numerics.elements=10:20:4", "a whole number"),
+        ("growth.time=45,-3", "growth.time = -3: expected a time > 0"),
+        ("growth.time=1 MPa:2 MPa:2", "expected a time > 0"),
+        ("numerics.elements=10:20:4", "expected an integer"),
         ("wall.thickness=1:9:3", "less than the cell's radius"),
     ],
 )
@@ -191,14 +191,14 @@ def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
     text = (folders[45] / "scene.toml").read_text()
     (folders[45] / "scene.toml").write_text(text.replace("thickness = 0.1", "thickness = 0.11"))
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
-    assert done.stdout.startswith("1 of 3 cases are finished already\n2/3  growth.time=45")
+    assert done.stdout.startswith("1 of 3 cases are already finished\n2/3  growth.time=45")
     new = {time: folders[time].joinpath("run.json").stat().st_mtime_ns for time in folders}
     assert new[30] == old[30] and new[45] > old[45]
     assert [row["growth.time"] for row in table(here)] == ["30.0", "45.0", "60.0"]
     folders[60].joinpath("run.json").write_text("{")
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
-    assert done.stdout.startswith("2 of 3 cases are finished already\n3/3  growth.time=60")
-    assert read_status(folders[60]) == "finished"
+    assert done.stdout.startswith("2 of 3 cases are already finished\n3/3  growth.time=60")
+    assert read_summary(folders[60]).status == "finished"
 
 
 def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
@@ -207,10 +207,10 @@ def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
     (blocked / "history.csv").write_text("precious")
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1", "--quiet")
     assert (done.returncode, done.stdout) == (4, "")
-    assert done.stderr == "error: 1 of 3 cases failed, growth.time=45 the first\n"
+    assert done.stderr == "error: 1 of 3 cases failed; the first is growth.time=45\n"
     rows = table(here)
     assert [row["status"] for row in rows] == ["finished", "failed", "finished"]
-    assert "holds a history.csv that no run has left" in rows[1]["message"]
+    assert "its history.csv is not from a run" in rows[1]["message"]
     assert (blocked / "history.csv").read_text() == "precious"
 
 
@@ -265,10 +265,10 @@ def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_
     output, errors = process.communicate(timeout=30)
     assert (process.returncode, output) == (130, "")
     # MPI's own daemon may have said something before.
-    assert errors.splitlines()[-1] == "interrupted; the same command goes on from here"
+    assert errors.splitlines()[-1] == "interrupted; rerun the same command to continue"
     kept = {}
     for folder in (first, second):
-        assert read_status(folder) == "interrupted"
+        assert read_summary(folder).status == "interrupted"
         kept[folder] = read_history(folder).rows
         assert 4 < len(kept[folder]) < 800
     assert not (here / "sweep" / "growth.time=60").exists()
@@ -313,7 +313,7 @@ def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
         os.kill(child, signal.SIGKILL)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 4
-    assert errors == "error: 1 of 3 cases failed, numerics.step=0.002 the first\n"
+    assert errors == "error: 1 of 3 cases failed; the first is numerics.step=0.002\n"
     rows = table(here)
     assert [row["status"] for row in rows] == ["failed", "finished", "finished"]
     assert "process was killed" in rows[0]["message"]

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from support.scenes import BUD
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.mechanics import growth_laws as growth
-from fenics_yeast.scene import SceneError
 from fenics_yeast.simulation import build as scene_laws
 from fenics_yeast.simulation.discretise import discretise
 
@@ -84,9 +82,6 @@ def test_each_zone_has_its_own_threshold_and_time(coarse):
     assert result.history.max_growth_strain[-1] > 0.02
 
 
-# --- when they grow -----------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("integrator", ["forward-euler", "backward-euler", "sdirk3"])
 def test_growth_ends_and_holds_its_volume(coarse, integrator):
     """The time of the end is a step's; up to it nothing is other than without an end."""
@@ -113,78 +108,6 @@ def test_growth_that_begins_late_is_growth_shifted_in_time(coarse, integrator):
     assert np.count_nonzero(late.time_min <= 20) < 4
     grown = early.volume_ratio[-1] - early.volume_ratio[0]
     assert late.volume_ratio[-1] - late.volume_ratio[0] == pytest.approx(grown, rel=5e-3)
-
-
-# --- in a scene ---------------------------------------------------------------------------
-
-
-def with_growth(text: str) -> str:
-    start, end = BUD.index("[growth]"), BUD.index("[run]")
-    return f"{BUD[:start]}{text}\n{BUD[end:]}"
-
-
-LIST = """[[growth]]
-zone = { from = "1 um", to = "2 um" }
-threshold = 1
-time = 45
-[[growth]]
-zone = { pole = "top", half_angle = 24 }
-threshold = 1
-time = 30
-from = "10 min"
-until = "1 h"
-"""
-
-
-def test_lists_of_zones_go_in_and_out_and_can_be_changed():
-    scene = Scene.from_toml(with_growth(LIST))
-    assert Scene.from_toml(scene.to_toml()) == scene
-    assert [growth.span for growth in scene.growing] == [(0, np.inf), (10, 60)]
-    changed = scene.with_values({"growth.0.time": 20, "growth.1.zone.half_angle": 12})
-    assert changed.growth_time == 20
-    assert changed.growth[1].zone.half_angle == 12
-    assert scene.growth_time == 30
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ('to = "2 um"', 'to = "0.5 um"', ["growth[0].zone.to", "more than from (1)"]),
-        ('to = "2 um"', 'to = "8 um"', ["growth[0].zone = ", "the meridian ends at 7.85398 µm"]),
-        ('to = "2 um"', 'to = "7 um"', ["growth[1].zone = ", "zones must not overlap"]),
-        ('to = "2 um"', "half_angle = 3", ["growth[0].zone.", "either pole and half_angle, from"]),
-        ('from = "1 um", ', "", ["growth[0].zone.from is missing", "a length at least 0"]),
-        ('zone = { from = "1 um", to = "2 um" }', "zone = {}", ["growth[0].zone", "are wanted"]),
-        ('"top"', '"left"', ['growth[1].zone.pole = "left"', '"top", "bottom", "both"']),
-        ('"10 min"', '"2 h"', ['growth[1].until = "1 h"', "a time after from (120 min)"]),
-        ("time = 30", "tim = 30", ["growth[1].tim", "growth[1].time"]),
-        ("threshold = 1\ntime = 45", "time = 45", ["growth[0].threshold is missing", "pressure"]),
-    ],
-)
-def test_wrong_zones_are_told_in_one_line(old, new, said):
-    assert LIST.count(old) == 1
-    with pytest.raises(SceneError) as caught:
-        Scene.from_toml(with_growth(LIST.replace(old, new)))
-    message = str(caught.value)
-    assert len(message.splitlines()) == 1
-    for part in said:
-        assert part in message
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ("growth.2.time", "growth.2.time = 3: 2 is no entry; they are 0 to 1"),
-        ("growth.time", "growth.time = 3: time is no entry; they are 0 to 1"),
-    ],
-)
-def test_changes_of_no_entry_are_told_in_one_line(change, said):
-    scene = Scene.from_toml(with_growth(LIST))
-    with pytest.raises(SceneError, match=said):
-        scene.with_values({change: 3})
-
-
-# --- what it costs ------------------------------------------------------------------------
 
 
 def test_a_scene_pays_for_nothing_that_it_does_not_use(coarse):
