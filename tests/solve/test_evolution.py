@@ -162,7 +162,7 @@ def bits(evolution: TimeStepper) -> list[bytes]:
     """All that a step may change and the next step reads."""
     shell, state = evolution.shell, evolution.accepted
     arrays = [shell.w.x.array, shell.growth.get(), state.w, state.eps_g]
-    numbers = [shell.pressure.value, shell.growth.stage.value, evolution.time]
+    numbers = [shell.pressure.value, shell.growth.stage.value, state.time]
     return [np.array(item).tobytes() for item in (*arrays, *numbers)]
 
 
