@@ -5,6 +5,7 @@ Each frame is a computed state. The scene is therefore rerun with a profile for 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from subprocess import CalledProcessError
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..scene import Scene
-from ..simulation import History, Profile, Profiles
+from ..simulation import History, Profile, Profiles, Result
 from .curves import smooth
 from .shapes import draw_wall
 from .style import COLOURS, STYLE, growth_colours
@@ -63,10 +64,11 @@ def animate(
     ImportError
         If dolfinx cannot be loaded.
     """
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+    from matplotlib.animation import FFMpegWriter
     from mpi4py import MPI
 
     from ..simulation import simulate
+    from .gif import GifWriter
 
     if scene.run is None or end <= 0:
         raise AnimationError(f"{directory}: cannot be animated; only a run in time can")
@@ -77,19 +79,26 @@ def animate(
     figures = directory / "figures"
     figures.mkdir(parents=True, exist_ok=True)
     made = [figures / "film.gif"]
-    _save(made[0], PillowWriter(_RATE), result.profiles, result.history, scene, progress)
+    shown = result.profiles.all
+    _save(made[0], GifWriter(_RATE, _HOLD), shown, result, scene, progress)
     if FFMpegWriter.isAvailable():
         made.append(figures / "film.mp4")
         options = ["-pix_fmt", "yuv420p", "-movflags", "+faststart"]
         writer = FFMpegWriter(_RATE, codec="libx264", extra_args=options)
-        _save(made[1], writer, result.profiles, result.history, scene, progress)
+        shown = (*shown, *[shown[-1]] * round(_HOLD * _RATE))
+        _save(made[1], writer, shown, result, scene, progress)
     return made
 
 
 def _save(
-    path: Path, writer: Any, profiles: Profiles, history: History, scene: Scene, progress: bool
+    path: Path,
+    writer: Any,
+    shown: Sequence[Profile],
+    result: Result,
+    scene: Scene,
+    progress: bool,
 ) -> None:
-    """Write an animation by one of matplotlib's writers; the last frame stays for a while."""
+    """Write the animation of profiles by one of matplotlib's writers."""
     from matplotlib import rc_context
     from matplotlib.animation import FuncAnimation
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -97,13 +106,12 @@ def _save(
     from rich.progress import Progress
 
     temporary = path.with_name(f"part-{path.name}")
-    shown = [*profiles, *[profiles.all[-1]] * round(_HOLD * _RATE)]
     height = round((_INCHES + 0.9) * _DPI / 2) * 2 / _DPI
     with rc_context(STYLE), Progress(transient=True, disable=not progress) as bar:
         task = bar.add_task(f"drawing {path.name}", total=len(shown))
         figure = Figure(figsize=(_WIDTH, height), dpi=_DPI)
         FigureCanvasAgg(figure)
-        draw = _Frame(figure, profiles, history, scene)
+        draw = _Frame(figure, result.profiles, result.history, scene)
         moving = FuncAnimation(figure, draw, shown, init_func=list, cache_frame_data=False)
         try:
             moving.save(temporary, writer, dpi=_DPI, progress_callback=lambda *_: bar.advance(task))
