@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.command import COMMAND, FILES, TWO_SAVED, call, tree
+from support import ranks
+from support.command import FILES, TWO_SAVED, call, finish, start, tree
 from support.scenes import SMALL
 from typer.testing import Result
 
@@ -76,11 +77,8 @@ def test_a_static_scene_gives_one_row_and_one_shape(here: Path) -> None:
 
 def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
     master, slave = pty.openpty()
-    environment = os.environ | {"TERM": "xterm", "COLUMNS": "100"}
-    environment.pop("OMPI_COMM_WORLD_SIZE", None)
-    process = subprocess.Popen(
-        [*COMMAND, "run", "small.toml"], stdin=slave, stdout=slave, stderr=slave, env=environment
-    )
+    environment = ranks.environment() | {"TERM": "xterm", "COLUMNS": "100"}
+    process = start("run", "small.toml", stdin=slave, stdout=slave, stderr=slave, env=environment)
     os.close(slave)
     shown = b""
     while True:
@@ -123,8 +121,7 @@ def test_a_service_has_no_home_in_its_environment(
     """Without one Open MPI 5 aborts."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(_form_cache.folder().parent.parent))
     monkeypatch.delenv("HOME")
-    command = [*COMMAND, "run", "small.toml", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = finish("run", "small.toml", "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert read_summary(here / "out" / "small").status == "finished"
 
@@ -136,10 +133,8 @@ def test_an_unknown_user_without_a_home_runs_and_leaves_nothing(
     monkeypatch.delenv("HOME")
     (here / "temporary").mkdir()
     monkeypatch.setenv("TMPDIR", str(here / "temporary"))
-    code = "import pwd; pwd.getpwuid = {}.__getitem__\n"
-    code += "from fenics_yeast.command.main import main; main()"
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    before = "import pwd; pwd.getpwuid = {}.__getitem__"
+    done = finish("run", "small.toml", "--quiet", before=before)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert not list((here / "temporary").glob("fenics-yeast-*"))
 
@@ -152,7 +147,7 @@ def test_a_home_that_cannot_be_written_is_no_matter(
     monkeypatch.setenv("HOME", "/proc/nowhere")
     monkeypatch.delenv("MPLCONFIGDIR", raising=False)
     for arguments in (("run", "small.toml", "--quiet"), ("plot", "out/small")):
-        done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, timeout=60)
+        done = finish(*arguments)
         assert (done.returncode, done.stderr) == (0, "")
 
 

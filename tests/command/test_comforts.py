@@ -1,14 +1,13 @@
 """Example scene, installation check and shell completion."""
 
-import os
-import subprocess
 import sys
 from importlib import metadata
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
-from support.command import COMMAND, call
+from support import ranks
+from support.command import call, finish
 
 from fenics_yeast import Scene
 from fenics_yeast.command import info as installation
@@ -48,7 +47,7 @@ def test_optional_settings_of_the_example_are_valid() -> None:
 
 
 def test_info_reports_a_working_installation() -> None:
-    done = subprocess.run([*COMMAND, "info"], capture_output=True, text=True)
+    done = finish("info")
     assert (done.returncode, done.stderr) == (0, "")
     subjects = [line.split()[0] for line in done.stdout.splitlines()]
     assert {"fenics-yeast", "Python", "dolfinx", "MPI", "compiler", "form"} <= set(subjects)
@@ -62,13 +61,13 @@ def test_info_reports_a_working_installation() -> None:
 def test_info_says_what_is_missing_and_what_to_do(
     tmp_path: Path, missing: str, advice: str
 ) -> None:
-    environment = dict(os.environ)
+    environment = ranks.environment()
     if missing == "compiler":
         environment["CC"] = "/nowhere/cc"
     else:
         (tmp_path / "dolfinx.py").write_text("raise ImportError('there is none')")
         environment["PYTHONPATH"] = str(tmp_path)
-    done = subprocess.run([*COMMAND, "info"], capture_output=True, text=True, env=environment)
+    done = finish("info", env=environment)
     assert done.returncode == 1
     (line,) = [line for line in done.stdout.splitlines() if "error: " in line]
     assert line.startswith("dolfinx") and advice in line
@@ -100,14 +99,10 @@ def test_keys_and_choices_are_completed() -> None:
 
 
 def test_a_shell_gets_the_completion() -> None:
-    environment = os.environ | {
+    environment = ranks.environment() | {
         "_FENICS_YEAST_COMPLETE": "complete_bash",
         "COMP_WORDS": "fenics-yeast run bud.toml --set growth.ti",
         "COMP_CWORD": "4",
     }
-    code = "import sys; sys.argv[0] = 'fenics-yeast'; "
-    code += "from fenics_yeast.command.main import main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=environment
-    )
+    done = finish(before="import sys; sys.argv[0] = 'fenics-yeast'", env=environment)
     assert done.stdout.split() == ["growth.time="]

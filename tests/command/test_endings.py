@@ -11,18 +11,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.command import COMMAND, FILES, TWO_SAVED, call, hear, lines, tree, wait_for
+from support.command import (
+    COMMAND,
+    FILES,
+    TWO_SAVED,
+    call,
+    finish,
+    hear,
+    lines,
+    start,
+    tree,
+    wait_for,
+)
 
 from fenics_yeast.output import read_history, read_profiles, read_summary
 from fenics_yeast.simulation import History, Profiles, Timings, simulation
 from fenics_yeast.simulation import Result as RunResult
-
-
-def start(*arguments: str) -> subprocess.Popen[str]:
-    """Start the command as a process of its own, which hears Ctrl-C even in the background."""
-    pipe = subprocess.PIPE
-    command = [*COMMAND, *arguments]
-    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=hear)
 
 
 def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
@@ -100,12 +104,11 @@ def test_a_script_ends_with_its_connection() -> None:
 
 def on_a_small_disk(size: int, *options: str) -> subprocess.CompletedProcess[str]:
     """Run the scene where no file may be larger than so many bytes."""
-    code = (
-        "import resource; from mpi4py import MPI; from fenics_yeast.command.main import main\n"
-        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); main()"
+    before = (
+        "import resource; from mpi4py import MPI; import fenics_yeast.command.main\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
     )
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *options]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return finish("run", "small.toml", "--quiet", *options, before=before)
 
 
 @pytest.mark.parametrize(
@@ -206,17 +209,15 @@ def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
 
 
 def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
-    code = (
+    before = (
         "from fenics_yeast.solve.time_stepper import TimeStepper, EquilibriumError\n"
         "attempt = TimeStepper.attempt\n"
         "def gives_up(self, end):\n"
         "    if end > 5: raise EquilibriumError('no luck', 3)\n"
         "    return attempt(self, end)\n"
-        "TimeStepper.attempt = gives_up\n"
-        "from fenics_yeast.command.main import main; main()"
+        "TimeStepper.attempt = gives_up"
     )
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *FINE]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = finish("run", "small.toml", "--quiet", *FINE, before=before)
     assert done.returncode == 4, done.stderr
     assert done.stderr.startswith("error: no convergence beyond ") and "no luck" in done.stderr
     assert done.stderr.count("\n") == 1

@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.command import call
-from support.ranks import RANKS
+from support.ranks import environment, mpirun
+from support.scenes import SMALL
 from typer.testing import Result
 
 from fenics_yeast import Scene, _dolfinx, simulate
@@ -30,35 +31,14 @@ from fenics_yeast.solve.time_stepper import StepperState
 
 KILLS = 10
 
-SMALL = """\
-[cell]
-shape = "sphere"
-diameter = "5 um"
-[wall]
-thickness = "100 nm"
-shear_modulus = "40 MPa"
-[turgor]
-pressure = "2 atm"
-[growth]
-zone = { pole = "top", half_angle = 24.0 }
-threshold = "1 MPa"
-time = "45 min"
-[run]
-end = "20 min"
-save = [1, 10, 20]
-[numerics]
-preset = "paper"
-elements = 40
-step = "2 min"
-"""
+SCENE = SMALL.replace("[10, 20]", "[1, 10, 20]")
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working directory, with a scene in it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.toml").write_text(SMALL)
-    return tmp_path
+def here(here: Path) -> Path:
+    """The working directory, with a scene in it that saves three times."""
+    (here / "small.toml").write_text(SCENE)
+    return here
 
 
 def same(one: RunResult, other: RunResult) -> None:
@@ -179,14 +159,11 @@ class Runs:
         (here / "command.py").write_text(COMMAND)
 
     def start(self, folder: str, *options: str) -> subprocess.Popen[bytes]:
-        launch = ["mpirun", "-n", str(self.ranks)] if self.ranks > 1 else []
-        command = [*launch, sys.executable, "command.py", "run", "small.toml", *LONG]
-        own = ("OMPI_", "PMIX_", "PRTE_")
-        environment = {k: v for k, v in os.environ.items() if not k.startswith(own)} | RANKS
+        command = [*mpirun(self.ranks), sys.executable, "command.py", "run", "small.toml", *LONG]
         (self.here / "pid").unlink(missing_ok=True)
         return subprocess.Popen(
             [*command, "--out", folder, "--quiet", *options],
-            env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
         )  # fmt: skip
 
     def finish(self, folder: str, *options: str) -> None:
@@ -304,7 +281,7 @@ def test_without_a_checkpoint_a_run_starts_from_the_beginning(here: Path) -> Non
 
 
 def test_a_path_starts_from_the_beginning(here: Path) -> None:
-    text = SMALL[: SMALL.index("[growth]")]
+    text = SCENE[: SCENE.index("[growth]")]
     (here / "small.toml").write_text(text + "[path]\nuntil = { volume_ratio = 1.1 }\nsteps = 4\n")
     for word in ("a path cannot be resumed", "already complete: reached 0.538"):
         result = run("--resume")
@@ -345,7 +322,7 @@ def test_what_the_folder_does_not_hold_is_refused(
 
 
 def test_a_title_makes_no_other_scene(finished: Path) -> None:
-    (finished.parent.parent / "small.toml").write_text('title = "Mine"\n' + SMALL)
+    (finished.parent.parent / "small.toml").write_text(SCENE.replace("Test bud", "Mine"))
     assert run("--resume", "--quiet").exit_code == 0
 
 

@@ -11,51 +11,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.command import COMMAND, hear, lines, wait_for
+from support import command
+from support.command import lines, wait_for
+from support.scenes import SMALL
 
 from fenics_yeast import Scene, SceneError, simulate
 from fenics_yeast.output import read_history, read_summary
 from fenics_yeast.scene import unit_symbol
 from fenics_yeast.studies.cases import parse_variation, plan
 
-# Marks of a process that has initialised MPI, which those that it starts must not inherit.
-ENVIRONMENT = {
-    name: value
-    for name, value in os.environ.items()
-    if not name.startswith(("OMPI_COMM", "OMPI_UNIVERSE", "PMIX", "PMI_", "ORTE", "PRTE_LAUNCHED"))
-}
-
-# The forms of the paper's preset, on few cells and with long steps.
-SCENE = """\
-title = "Test bud"
-[cell]
-shape = "sphere"
-diameter = "5 um"
-[wall]
-thickness = "100 nm"
-shear_modulus = "40 MPa"
-[turgor]
-pressure = "2 atm"
-[growth]
-zone = { pole = "top", half_angle = 24.0 }
-threshold = "1 MPa"
-time = "45 min"
-[run]
-end = "8 min"
-save = [4, 8]
-[numerics]
-preset = "paper"
-elements = 60
-step = "2 min"
-"""
+SCENE = SMALL.replace("20 min", "8 min").replace("[10, 20]", "[4, 8]")
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working directory, with a scene in it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bud.toml").write_text(SCENE)
-    return tmp_path
+def here(here: Path) -> Path:
+    """The working directory, with a short scene in it."""
+    (here / "small.toml").write_text(SCENE)
+    return here
 
 
 @pytest.fixture(scope="module")
@@ -63,19 +35,16 @@ def bud() -> Scene:
     return Scene.from_toml(SCENE)
 
 
+SWEEP = ("sweep", "small.toml", "--out", "sweep")
+
+
 def start(*arguments: str) -> subprocess.Popen[str]:
     """Start a sweep as a process group of its own, as a terminal does."""
-    pipe = subprocess.PIPE
-    return subprocess.Popen(
-        [*COMMAND, "sweep", "bud.toml", "--out", "sweep", *arguments], env=ENVIRONMENT,
-        stdout=pipe, stderr=pipe, text=True, preexec_fn=hear, start_new_session=True,
-    )  # fmt: skip
+    return command.start(*SWEEP, *arguments, start_new_session=True)
 
 
-def sweep(*arguments: str, timeout: float = 120) -> subprocess.CompletedProcess[str]:
-    process = start(*arguments)
-    output, errors = process.communicate(timeout=timeout)
-    return subprocess.CompletedProcess(arguments, process.returncode, output, errors)
+def sweep(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return command.finish(*SWEEP, *arguments, start_new_session=True)
 
 
 def table(folder: Path) -> list[dict[str, str]]:
@@ -176,10 +145,10 @@ def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) 
         )
         assert (row["status"], float(row["end_time_min"])) == ("finished", 8)
         assert float(row["wall_s"]) > 0
-    plot = subprocess.run([*COMMAND, "plot", "sweep"], capture_output=True, text=True, check=True)
+    plot = command.finish("plot", "sweep")
     assert plot.stdout == "sweep/sweep.png\n"
     case = f"sweep/{rows[0]['case']}"
-    plot = subprocess.run([*COMMAND, "plot", case], capture_output=True, text=True, check=True)
+    plot = command.finish("plot", case)
     assert f"{case}/figures/shapes.png" in plot.stdout
 
 
@@ -227,7 +196,7 @@ def test_no_equilibrium_is_an_answer(here: Path) -> None:
         (("--vary", "growth.time=3,-3"), "growth.time = -3"),
         (("--vary", "growth.time=3", "--vary", "growth.time=4"), "given twice"),
         (("--vary", "growth.time=3", "--set", "growth.tim=4"), "did you mean growth.time?"),
-        (("--vary", "growth.time=3", "--out", "bud.toml"), "bud.toml: is a file"),
+        (("--vary", "growth.time=3", "--out", "small.toml"), "small.toml: is a file"),
     ],
 )
 def test_what_is_wrong_is_told_before_anything_runs(
@@ -236,7 +205,7 @@ def test_what_is_wrong_is_told_before_anything_runs(
     done = sweep(*arguments)
     assert (done.returncode, done.stdout) == (2, "")
     assert words in done.stderr and done.stderr.count("\n") == 1
-    assert [path.name for path in here.iterdir()] == ["bud.toml"]
+    assert [path.name for path in here.iterdir()] == ["small.toml"]
 
 
 def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
@@ -249,7 +218,7 @@ def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
 
 # Interrupted and killed -----------------------------------------------------------------------
 
-LONG = ("--set", "numerics.step=0.01")  # some seconds each
+LONG = ("--set", "numerics.step=0.005")  # some seconds each
 
 
 @pytest.mark.parametrize("to_all", [True, False])
@@ -270,7 +239,7 @@ def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_
     for folder in (first, second):
         assert read_summary(folder).status == "interrupted"
         kept[folder] = read_history(folder).rows
-        assert 4 < len(kept[folder]) < 800
+        assert 4 < len(kept[folder]) < 1600
     assert not (here / "sweep" / "growth.time=60").exists()
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "2", *LONG)
     assert done.returncode == 0
@@ -278,7 +247,7 @@ def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_
     for folder in (first, second):  # gone on with, not begun again
         assert read_history(folder).rows[: len(kept[folder])] == kept[folder]
         assert read_history(folder).rows[-1].time_min == 8
-        assert read_history(folder).rows[len(kept[folder])].step_min == pytest.approx(0.01)
+        assert read_history(folder).rows[len(kept[folder])].step_min == pytest.approx(0.005)
 
 
 def runs(process: int) -> bool:
@@ -296,10 +265,10 @@ def children(process: subprocess.Popen[str]) -> list[int]:
         if entry.name.isdecimal():
             try:
                 parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
-                command = (entry / "cmdline").read_text()
+                called = (entry / "cmdline").read_text()
             except OSError:
                 continue
-            if parent == process.pid and "spawn_main" in command:
+            if parent == process.pid and "spawn_main" in called:
                 found.append(int(entry.name))
     return found
 
@@ -364,7 +333,7 @@ def test_ranks_share_the_cases(here: Path, mpirun: Callable[[str, int], Path]) -
     script = f"""
 import sys
 from fenics_yeast.command.main import main
-sys.argv[1:] = ["sweep", {str(here / "bud.toml")!r}, "--vary", "growth.time=30:60:7", "--out",
+sys.argv[1:] = ["sweep", {str(here / "small.toml")!r}, "--vary", "growth.time=30:60:7", "--out",
                 "sweep"]
 main()
 """
