@@ -250,14 +250,14 @@ def plot(
 
     For a run, also write ParaView surfaces.
     """
-    from ..figures import FilmError
+    from ..figures import AnimationError
     from ..output import OutputError, writing
     from .redraw import draw_folder
 
     try:
         with writing(directory):
             drawn = draw_folder(directory, pdf=pdf, moving=film)
-    except (SceneError, OutputError, FilmError) as error:
+    except (SceneError, OutputError, AnimationError) as error:
         fail(str(error), BAD_INPUT)
     except ImportError as error:
         fail(str(error), BROKEN)
