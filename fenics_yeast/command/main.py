@@ -195,8 +195,7 @@ def _sweep(
     directory: Path, keys: list[str], cases: list[Case], jobs: int | None, quiet: bool
 ) -> list[CaseRow]:
     from ..output import DolfinxMissing, OutputError, writing
-    from ..studies import TABLE, run_sweep
-    from ..studies import figure as sweep_plots
+    from ..studies import TABLE, draw_sweep, run_sweep
     from .sweep_terminal import SweepBar, SweepLines, tally
     from .terminal import print_line
 
@@ -214,7 +213,7 @@ def _sweep(
         if comm is not None and comm.rank > 0:
             return []
         with writing(directory):
-            drawn = sweep_plots.draw(directory)
+            drawn = draw_sweep(directory)
     except OutputError as error:
         fail(str(error), BAD_INPUT)
     except DolfinxMissing as error:

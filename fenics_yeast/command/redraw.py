@@ -6,8 +6,7 @@ from pathlib import Path
 
 from ..figures import draw, write_surfaces
 from ..output import FIGURES, read_history, read_profiles, read_scene, read_summary
-from ..studies import TABLE
-from ..studies import figure as sweep_plots
+from ..studies import TABLE, draw_sweep
 from .exits import on_terminal
 
 
@@ -41,7 +40,7 @@ def draw_folder(directory: Path, *, pdf: bool = False, moving: bool = False) -> 
             from ..figures import AnimationError
 
             raise AnimationError(f"{directory}: a sweep; to animate, name the directory of a case")
-        return [path for suffix in suffixes for path in sweep_plots.draw(directory, suffix)]
+        return [path for suffix in suffixes for path in draw_sweep(directory, suffix)]
     scene, summary = read_scene(directory), read_summary(directory)
     profiles = read_profiles(directory)  # before the history, which is ahead of them
     history = read_history(directory)

@@ -21,7 +21,7 @@ FIGURE = "sweep.png"  # in the directory of the sweep
 _MOST_LABELS = 12  # fields of the map along an axis, whose volumes are written into them
 
 
-def draw(directory: Path, suffix: str = ".png") -> list[Path]:
+def draw_sweep(directory: Path, suffix: str = ".png") -> list[Path]:
     """Draw the figure of a sweep, finished or in progress; return the files written.
 
     Nothing is drawn for more than two parameters, or before a case has a result.
