@@ -3,8 +3,6 @@
 Draws what it is given; matplotlib is imported when a figure is drawn.
 """
 
-from __future__ import annotations
-
 from .animation import AnimationError, animate
 from .curves import Curve, pressures, volumes
 from .paraview import write_surfaces

@@ -1,7 +1,5 @@
 """A GIF writer for matplotlib's animations, with one palette and a last frame that stays."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Surfaces of revolution for ParaView: a file per saved time, and a series."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path

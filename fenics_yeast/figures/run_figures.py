@@ -1,7 +1,5 @@
 """All figures of a run: the only list of what `run` and `plot` draw."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

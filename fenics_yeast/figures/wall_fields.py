@@ -1,7 +1,5 @@
 """Fields along the meridian of a profile: outline, growing zones, means through the wall."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 The only room that knows both scenes and the shell. What loads dolfinx is imported when first used.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from .discretise import discretise
@@ -21,29 +19,10 @@ if TYPE_CHECKING:
     from .simulation import Simulation, simulate
 
 __all__ = [
-    "COLUMNS",
-    "EXIT_STATUS",
-    "Checkpoint",
-    "CheckpointError",
-    "ErrorBars",
-    "History",
-    "Observer",
-    "Observers",
-    "Profile",
-    "Profiles",
-    "Result",
-    "ResumePoint",
-    "RootError",
-    "Row",
-    "Simulation",
-    "Status",
-    "Timings",
-    "build_shell",
-    "discretise",
-    "on_root",
-    "pieces",
-    "simulate",
-]
+    "COLUMNS", "EXIT_STATUS", "Checkpoint", "CheckpointError", "ErrorBars", "History", "Observer",
+    "Observers", "Profile", "Profiles", "Result", "ResumePoint", "RootError", "Row", "Simulation",
+    "Status", "Timings", "build_shell", "discretise", "on_root", "pieces", "simulate",
+]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.
 _LATE = {

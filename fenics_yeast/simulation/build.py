@@ -1,7 +1,5 @@
 """Build the shell of a scene: its laws, with parameters that vary from zone to zone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -160,14 +158,8 @@ def build_shell(
 ) -> Shell:
     """Return the unloaded shell of a scene, on all ranks of a communicator.
 
-    Parameters
-    ----------
-    scene
-        What to discretise.
-    comm
-        MPI communicator whose ranks share the wall; by default all ranks of the world.
-    energy, growth_law
-        Laws in place of the scene's own. A growth law needs a scene with a growing zone.
+    By default, all ranks of the world share the wall. Laws of the user's own replace those of the
+    scene; a growth law needs a scene with a growing zone.
 
     Raises
     ------

@@ -1,7 +1,5 @@
 """The mesh of a scene's meridian, graded towards edges, loads and growing zones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

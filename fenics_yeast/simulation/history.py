@@ -1,7 +1,5 @@
 """The history of a run: a row for each accepted state."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any

@@ -1,7 +1,5 @@
 """Start a wall from the profile of another run."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,14 +14,8 @@ Array = NDArray[np.float64]
 def set_initial_state(shell: Shell, profile: Profile | None) -> None:
     """Set a shell to the state of a profile: positions, director angles and growth strains.
 
-    The shear force is found by the next equilibrium. Collective; rank 0 has the profile.
-
-    Parameters
-    ----------
-    shell
-        The unloaded wall of the profile, or a part of it, on the same nodes.
-    profile
-        The state; needed only on rank 0.
+    The shell must be the unloaded wall of the profile, or a part of it, on the same nodes. The
+    next equilibrium gives the shear force. Collective; only rank 0 needs the profile.
 
     Raises
     ------

@@ -1,7 +1,5 @@
 """Measure a shell: the numbers of a history row, and profiles."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Profiles of the wall along its meridian at the saved times of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Errors on several ranks: all ranks raise them, or all of them end."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from time import monotonic, sleep

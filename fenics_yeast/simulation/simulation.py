@@ -1,7 +1,5 @@
 """Run a scene from start to end: by `simulate`, or step by step by `Simulation`."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager

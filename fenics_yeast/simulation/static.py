@@ -1,7 +1,5 @@
 """Runs of scenes with a table `[path]`: follow the path and report how it ends."""
 
-from __future__ import annotations
-
 from collections.abc import Generator
 from typing import Self
 
@@ -24,26 +22,12 @@ from .scales import force_scale, length_scale, pressure_scale
 
 
 class Static:
-    """A run of a scene along its equilibrium path: a context manager.
+    """A run of a scene along its equilibrium path; a context manager.
 
-    Parameters
-    ----------
-    scene, path
-        What is run, and its path.
-    shell
-        Its unloaded wall.
-    recorder
-        Records all points, at time 0.
-    tolerance
-        Norm of the residual in µN at which it counts as zero.
-
-    Attributes
-    ----------
-    checkpoint
-        None: a path is not resumed.
+    `tolerance` is the norm of the residual in µN that counts as zero.
     """
 
-    checkpoint = None
+    checkpoint = None  # a path is not resumed
 
     def __init__(
         self, scene: Scene, path: StaticPath, shell: Shell, recorder: Recorder, tolerance: float

@@ -1,7 +1,5 @@
 """Runs in time: find the first equilibrium, take steps, and report how the run ends."""
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from collections.abc import Generator, Sequence
 from contextlib import ExitStack
@@ -38,22 +36,10 @@ _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wal
 
 
 class Transient:
-    """A run of a scene in time, or to a single equilibrium: a context manager.
+    """A run of a scene in time, or to a single equilibrium; a context manager.
 
-    Parameters
-    ----------
-    scene, shell
-        What is run, and its unloaded wall.
-    recorder
-        Records all steps.
-    tolerance
-        Norm of the residual in µN at which it counts as zero.
-
-    Attributes
-    ----------
-    checkpoint
-        All that determines how the run continues from the last step, with the arrays of this
-        rank in its own order and without timings; None before the first.
+    `tolerance` is the norm of the residual in µN that counts as zero. `checkpoint` is the last one,
+    with this rank's arrays and without timings; None before the first step.
     """
 
     def __init__(self, scene: Scene, shell: Shell, recorder: Recorder, tolerance: float) -> None:
@@ -239,12 +225,10 @@ class Transient:
         return self._controller.accepts(self._relative_error(error, end - self._time))
 
     def _relative_error(self, error: float, dt: float) -> float:
-        """Estimated error of the volume over the largest one allowed in a step.
+        """Return the estimated error of the volume over the largest one allowed in a step.
 
-        An error of the volume acts like a shift in time by it over `V'`, and shifts add up over
-        the run: it is compared with what the cell grows in the characteristic time. In fast
-        growth the shift is multiplied by what is still to come, and it is compared with the
-        volume.
+        An error δV acts like a shift in time by `δV/V'`, and shifts add up over the run: it is
+        compared with the growth in the characteristic growth time or, if fast, with the volume.
         """
         growth_time, recorder = self._scene.growth_time, self._recorder
         if growth_time is None:
@@ -257,10 +241,7 @@ class Transient:
 
     @property
     def _patience(self) -> int:
-        """Failed steps in a row after which a limit point is looked for.
-
-        Adaptive steps are short where much happens: the first that fails has met something.
-        """
+        """Failed steps in a row after which a limit point is looked for."""
         return _FAILURES if self._scene.numerics.step is not None else 1
 
     # --- ends -----------------------------------------------------------------------------
