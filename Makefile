@@ -50,10 +50,14 @@ demo: setup  ## the paper's budding cell: volumes, pictures and data
 test: .venv/.installed-test  ## all tests; ARGS="..." goes to pytest
 	@$(PYTHON) $(MEASURED) -m pytest $(ARGS)
 
+.PHONY: test-fast
+test-fast: .venv/.installed-test  ## the tests that take a minute in all; ARGS as above
+	@$(PYTHON) -m pytest -m "not slow and not ranks and not process" $(ARGS)
+
 .PHONY: test-ranks
-test-ranks: .venv/.installed-test  ## those marked `ranks`, on two ranks and on three
+test-ranks: .venv/.installed-test  ## those marked `distributed`, on two ranks and on three
 	@for n in 2 3; do \
-	    timeout 600 mpirun -n $$n $(PYTHON) -m pytest --color=no -m ranks $(ARGS) || \
+	    timeout 600 mpirun -n $$n $(PYTHON) -m pytest --color=no -m distributed $(ARGS) || \
 	        { echo "error: the tests failed on $$n ranks" >&2; exit 1; }; \
 	done
 

@@ -134,7 +134,7 @@ def test_milestones_are_hit_exactly_without_slivers(fine_scene):
         assert len(inside) == np.ceil(round((end - start) / 0.25, 9))
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 def test_fixed_steps_are_those_asked_for(sphere_scene):
     """Whatever the round-off of their sum."""
     values = {"run.end": 7.0, "numerics.step": 0.1, "numerics.integrator": "backward-euler"}
