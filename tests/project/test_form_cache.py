@@ -38,6 +38,7 @@ def unfinished(cache: Path) -> set[Path]:
     }
 
 
+@pytest.mark.process
 def test_a_killed_compilation_keeps_nobody_waiting(tmp_path: Path) -> None:
     process = start(tmp_path)
     while not unfinished(tmp_path):
@@ -53,6 +54,7 @@ def test_a_killed_compilation_keeps_nobody_waiting(tmp_path: Path) -> None:
     assert not unfinished(tmp_path)
 
 
+@pytest.mark.process
 def test_what_lost_its_library_is_compiled_anew(tmp_path: Path) -> None:
     assert start(tmp_path).communicate() == ANSWER
     for library in tmp_path.glob("fenics-yeast/*/*.so"):
@@ -60,6 +62,7 @@ def test_what_lost_its_library_is_compiled_anew(tmp_path: Path) -> None:
     assert start(tmp_path).communicate() == ANSWER
 
 
+@pytest.mark.process
 def test_processes_that_compile_at_once_share_the_work(tmp_path: Path) -> None:
     processes = [start(tmp_path) for _ in range(3)]
     assert [process.communicate() for process in processes] == [ANSWER] * 3
@@ -84,6 +87,7 @@ for _ in range(2):
 """
 
 
+@pytest.mark.process
 def test_a_growing_wall_finds_what_another_compiled(tmp_path: Path) -> None:
     """In the same process and in the next one."""
     compiled = []
@@ -93,6 +97,7 @@ def test_a_growing_wall_finds_what_another_compiled(tmp_path: Path) -> None:
     assert len(compiled[0]) > 5 and compiled[0] == compiled[1]
 
 
+@pytest.mark.process
 def test_ranks_compile_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mpirun: Callable[[str, int], Path]
 ) -> None:
@@ -105,6 +110,7 @@ def test_ranks_compile_once(
     assert sorted(tmp_path.glob("fenics-yeast/*/*.so")) == compiled
 
 
+@pytest.mark.process
 def test_a_cache_that_cannot_be_written_is_replaced_for_the_run() -> None:
     output, errors = start("/proc/nowhere").communicate()
     assert output == ANSWER[0]
@@ -131,6 +137,7 @@ turgor = { pressure = 0.2 }
 """
 
 
+@pytest.mark.process
 def test_without_a_compiler_the_command_says_what_to_install(tmp_path: Path) -> None:
     (tmp_path / "static.toml").write_text(SCENE)
     code = (
