@@ -9,7 +9,7 @@ two-node elements with reduced integration, steps of 0.2 min.
 from pathlib import Path
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.figures.run_figures import shapes
+from fenics_yeast.figures import shapes
 
 scene = Scene.load(Path(__file__).parent / "scenes" / "bud.toml")
 result = simulate(scene)

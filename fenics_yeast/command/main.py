@@ -195,8 +195,7 @@ def _sweep(
     directory: Path, keys: list[str], cases: list[Case], jobs: int | None, quiet: bool
 ) -> list[CaseRow]:
     from ..output import DolfinxMissing, OutputError, writing
-    from ..studies import TABLE, run_sweep
-    from ..studies import figure as sweep_plots
+    from ..studies import TABLE, draw_sweep, run_sweep
     from .sweep_terminal import SweepBar, SweepLines, tally
     from .terminal import print_line
 
@@ -214,7 +213,7 @@ def _sweep(
         if comm is not None and comm.rank > 0:
             return []
         with writing(directory):
-            drawn = sweep_plots.draw(directory)
+            drawn = draw_sweep(directory)
     except OutputError as error:
         fail(str(error), BAD_INPUT)
     except DolfinxMissing as error:
@@ -250,14 +249,14 @@ def plot(
 
     For a run, also write ParaView surfaces.
     """
-    from ..figures import FilmError
+    from ..figures import AnimationError
     from ..output import OutputError, writing
     from .redraw import draw_folder
 
     try:
         with writing(directory):
             drawn = draw_folder(directory, pdf=pdf, moving=film)
-    except (SceneError, OutputError, FilmError) as error:
+    except (SceneError, OutputError, AnimationError) as error:
         fail(str(error), BAD_INPUT)
     except ImportError as error:
         fail(str(error), BROKEN)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..figures import run_figures as plots
-from ..figures import write_surfaces
-from ..output import read_history, read_profiles, read_scene, read_summary
-from ..studies import TABLE
-from ..studies import figure as sweep_plots
+from ..figures import draw, write_surfaces
+from ..output import FIGURES, read_history, read_profiles, read_scene, read_summary
+from ..studies import TABLE, draw_sweep
 from .exits import on_terminal
 
 
@@ -33,23 +31,24 @@ def draw_folder(directory: Path, *, pdf: bool = False, moving: bool = False) -> 
     ------
     OutputError, SceneError
         If the directory cannot be read.
-    FilmError
+    AnimationError
         If the animation cannot be made.
     """
     suffixes = (".png", ".pdf") if pdf else (".png",)
     if (directory / TABLE).exists():
         if moving:
-            from ..figures import FilmError
+            from ..figures import AnimationError
 
-            raise FilmError(f"{directory}: a sweep; to animate, name the directory of a case")
-        return [path for suffix in suffixes for path in sweep_plots.draw(directory, suffix)]
+            raise AnimationError(f"{directory}: a sweep; to animate, name the directory of a case")
+        return [path for suffix in suffixes for path in draw_sweep(directory, suffix)]
     scene, summary = read_scene(directory), read_summary(directory)
     profiles = read_profiles(directory)  # before the history, which is ahead of them
     history = read_history(directory)
     status, bars = (None, None) if summary is None else (summary.status, summary.error_bars)
     made = []
     for suffix in suffixes:
-        made += plots.draw_all(directory, scene, history, profiles, status, bars, suffix)
+        results = history, profiles, status, bars
+        made += draw(directory, scene, *results, names=FIGURES, suffix=suffix)
     if len(profiles):
         made.append(write_surfaces(directory, scene, profiles))
     if moving:

@@ -5,20 +5,19 @@ Draws what it is given; matplotlib is imported when a figure is drawn.
 
 from __future__ import annotations
 
+from .animation import AnimationError, animate
 from .curves import Curve, pressures, volumes
-from .film import FilmError, animate
 from .paraview import write_surfaces
-from .run_figures import draw, draw_all
+from .run_figures import draw
 from .shapes import shapes
 from .style import COLOURS, figure_of
 
 __all__ = [
     "COLOURS",
+    "AnimationError",
     "Curve",
-    "FilmError",
     "animate",
     "draw",
-    "draw_all",
     "figure_of",
     "pressures",
     "shapes",

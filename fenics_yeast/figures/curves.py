@@ -1,4 +1,4 @@
-"""Curves of runs: the volume in time, and the pressure along static paths."""
+"""Figures of curves: volume against time, and load along equilibrium paths."""
 
 from __future__ import annotations
 
@@ -24,17 +24,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Curve:
-    """A run in a figure of several.
-
-    Attributes
-    ----------
-    label
-        Its name in the legend.
-    history
-        Its volume in time.
-    status
-        How it ended; None while it goes on.
-    """
+    """A run in a figure of several: legend label, history and status, None while it runs."""
 
     label: str
     history: History
@@ -48,9 +38,9 @@ def volume(
     status: Status | None = "finished",
     error_bars: ErrorBars | None = None,
 ) -> None:
-    """Draw V/V0 against time with the saved times marked; where equilibrium is lost, say so.
+    """Draw V/V0 against time, with saved times and the loss of equilibrium marked.
 
-    Error bars become a band that is told in numbers too: most are thinner than the line.
+    Error bars become a band with its width in numbers, because most are thinner than the line.
     """
     with _volume_axes(path) as axes:
         curve = Curve(scene.title, history, status)
@@ -72,9 +62,9 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str =
     curves
         The runs, in the order of the legend.
     path
-        PNG, PDF or SVG file; its folder is made where missing.
+        PNG, PDF or SVG file; its directory is created if missing.
     title, heading
-        Of the figure, and of its legend.
+        Titles of the figure and of its legend.
     """
     colours = _colours(len(curves))
     with _volume_axes(path) as axes:
@@ -85,7 +75,7 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str =
 
 
 def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str = "") -> None:
-    """Draw the pressure along several static paths against V/V0; see `volumes`."""
+    """Draw the pressure along several equilibrium paths against V/V0; see `volumes`."""
     with _path_axes(path) as axes:
         for curve, colour in zip(curves, _colours(len(curves)), strict=True):
             _draw_pressure(axes, curve.history, colour, curve.label)
@@ -94,7 +84,7 @@ def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str
 
 
 def pressure(history: History, scene: Scene, path: Path) -> None:
-    """Draw the pressure along a static path against V/V0; what is unstable is dashed."""
+    """Draw the pressure along an equilibrium path against V/V0, dashed where unstable."""
     with _path_axes(path) as axes:
         _draw_pressure(axes, history, COLOURS[0], "stable", "unstable at given pressure")
         if not history.stable.all():
@@ -103,7 +93,7 @@ def pressure(history: History, scene: Scene, path: Path) -> None:
 
 
 def force(history: History, scene: Scene, path: Path) -> None:
-    """Draw the force along a static path against its displacement; what is unstable is dashed."""
+    """Draw the force along an equilibrium path against displacement, dashed where unstable."""
     with _path_axes(path, "displacement (µm)", "force (µN)") as axes:
         _draw_path(
             axes, history.displacement_um, history.force_uN, history.stable, COLOURS[0],
@@ -116,7 +106,7 @@ def force(history: History, scene: Scene, path: Path) -> None:
 
 @contextmanager
 def _volume_axes(path: Path) -> Iterator[Axes]:
-    """Axes of V/V0 against time, the only ones of a figure."""
+    """Yield the axes of a figure of V/V0 against time."""
     with figure_of(path, 4.8, 3.4) as figure:
         axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
         yield axes
@@ -129,7 +119,7 @@ def _volume_axes(path: Path) -> Iterator[Axes]:
 
 @contextmanager
 def _path_axes(path: Path, of: str = "volume V/V₀", load: str = "pressure (MPa)") -> Iterator[Axes]:
-    """Axes of a load against what it works on, the only ones of a figure."""
+    """Yield the axes of a figure of a load against its conjugate."""
     with figure_of(path, 4.8, 3.4) as figure:
         axes = figure.add_axes((0.15, 0.14, 0.82, 0.77))
         yield axes
@@ -156,19 +146,19 @@ def _draw_path(
     label: str,
     unstable: str,
 ) -> None:
-    """Draw a path in pieces, those that are unstable dashed."""
+    """Draw a path in pieces, dashed where unstable."""
     stable = stable.astype(bool)
     ends = stable[1:] & stable[:-1]  # of each piece
     for style, name, pieces in (("-", label, ends), ("--", unstable, ~ends)):
         gaps = np.where(pieces, 0.0, np.nan)
-        # A piece and the one after it share a point, which either of them shows.
+        # Neighbouring pieces share a point, which either of them may draw.
         shown = np.fmin(np.append(gaps, np.nan), np.append(np.nan, gaps))
         if pieces.any():
             axes.plot(x, y + shown, style, color=colour, label=name)
 
 
 def _colours(count: int) -> list[Any]:
-    """A colour for each of several curves: told apart by hue, or in order where they are many."""
+    """Return a colour per curve: distinct hues, or a sequence for many."""
     if count <= len(COLOURS):
         return list(COLOURS[:count])
     from matplotlib import colormaps
@@ -177,7 +167,7 @@ def _colours(count: int) -> list[Any]:
 
 
 def _explain(axes: Axes, curves: Sequence[Curve], heading: str, place: str) -> None:
-    """Set a legend; of many curves it names some, evenly spread."""
+    """Set a legend; for many curves it names some of them, evenly spread."""
     handles, labels = axes.get_legend_handles_labels()
     named = np.linspace(0, len(handles) - 1, min(len(handles), len(COLOURS))).round().astype(int)
     handles, labels = [handles[i] for i in named], [labels[i] for i in named]
@@ -188,13 +178,13 @@ def _explain(axes: Axes, curves: Sequence[Curve], heading: str, place: str) -> N
 
 
 def smooth(history: History) -> tuple[Array, Array]:
-    """Time and volume ratio, curved between the rows where the pressure stands still."""
+    """Return time and volume ratio, interpolated between rows while pressure is constant."""
     time, ratio = history.time_min, history.volume_ratio
-    held = np.flatnonzero(history.pressure_MPa == history.pressure_MPa[-1])
-    first = held[0] if len(held) else len(time)
-    if len(time) - first < 3 or np.any(np.diff(held) != 1):
+    constant = np.flatnonzero(history.pressure_MPa == history.pressure_MPa[-1])
+    first = constant[0] if len(constant) else len(time)
+    if len(time) - first < 3 or np.any(np.diff(constant) != 1):
         return time, ratio
-    # Against the length of the drawn curve, which stays smooth where the volume runs away.
+    # By length of the drawn curve, which stays smooth when the volume grows rapidly.
     t, V = time[first:], ratio[first:]
     lengths = np.hypot(np.diff(t) / np.ptp(t), np.diff(V) / (np.ptp(V) or 1.0))
     s = np.append(0.0, np.cumsum(lengths))
@@ -203,7 +193,7 @@ def smooth(history: History) -> tuple[Array, Array]:
 
 
 def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
-    """Draw estimated errors about the curve, from nothing at the start to the last known one."""
+    """Draw estimated errors as a band, from zero at the start to the last known one."""
     known = ~np.isnan(bars.total) & (bars.time_min > 0)
     times, total = bars.time_min[known], bars.total[known]
     if not len(times):
@@ -225,7 +215,7 @@ def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
 
 
 def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> None:
-    """Draw a curve and mark where its run lost equilibrium; with a note, say when."""
+    """Draw a curve; mark where its run lost equilibrium and, with a note, when."""
     history = curve.history
     axes.plot(*smooth(history), color=colour, label=curve.label)
     if curve.status == "no-equilibrium" and len(history):

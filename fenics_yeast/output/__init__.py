@@ -6,13 +6,14 @@ Only rank 0 writes. Reading needs no dolfinx.
 from __future__ import annotations
 
 from .errors import DolfinxMissing, OutputError, RunLost
-from .files import MERIDIAN, SERIES, SHAPES, SURFACES, VOLUME, replace_file, writing
+from .files import FIGURES, MERIDIAN, SERIES, SHAPES, SURFACES, VOLUME, replace_file, writing
 from .interrupts import SIGNALS, interrupt
 from .job import Job, Screen, run_into
 from .reading import read_history, read_profiles, read_result, read_scene
 from .summary import Summary, read_summary
 
 __all__ = [
+    "FIGURES",
     "MERIDIAN",
     "SERIES",
     "SHAPES",

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 from ..scene import Scene
-from ..simulation import History, Observer, Profiles, Result, Row, Status, Timings
+from ..simulation import History, Observer, Profiles, Result, Row, Status, Timings, discretise
 from .errors import DolfinxMissing, OutputError, OutputWriteError, RunLost
 from .files import writing
 from .folder import OutputFolder
@@ -291,11 +291,12 @@ class Job:
     def _cut_short(self, status: Status, message: str = "") -> Result:
         """Return the result of a run that ended outside its steps, from its directory."""
         rows = () if self._folder is None else self._folder.rows
+        profiles = () if self._folder is None else self._folder.profiles
         when = f"at {rows[-1].time_min:g} min" if rows else "before the first equilibrium"
         before = None if self._start is None else self._start.checkpoint
         return Result(
             history=History(rows),
-            profiles=Profiles(() if self._folder is None else self._folder.profiles),
+            profiles=Profiles(profiles, discretise(self.scene).zones),
             status=status,
             message=message or f"{status} {when}",
             end_time=rows[-1].time_min if rows else 0.0,

@@ -9,7 +9,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from ..scene import Scene
-from ..simulation import COLUMNS, History, Profile, Profiles, Result, Row
+from ..simulation import COLUMNS, History, Profile, Profiles, Result, Row, discretise
 from .errors import OutputError
 from .files import HISTORY, PROFILES, RUN, SCENE
 from .folder import column_type
@@ -65,8 +65,8 @@ def read_profiles(directory: Path) -> Profiles:
 
     Raises
     ------
-    OutputError
-        If they cannot be read.
+    OutputError, SceneError
+        If they or the scene cannot be read.
     """
     path = directory / PROFILES
     try:
@@ -76,16 +76,15 @@ def read_profiles(directory: Path) -> Profiles:
             return Profiles(())
         fixed = {name: arrays[name] for name in ("S", "S_points", "xi")}
         moving = ("r", "z", "psi", "strain", "stress", "growth_strain")
-        return Profiles(
-            tuple(
-                Profile(time=float(time), **fixed, **{name: arrays[name][i] for name in moving})
-                for i, time in enumerate(arrays["time_min"])
-            )
+        profiles = tuple(
+            Profile(time=float(time), **fixed, **{name: arrays[name][i] for name in moving})
+            for i, time in enumerate(arrays["time_min"])
         )
     except FileNotFoundError:
         return Profiles(())
     except (OSError, ValueError, KeyError, BadZipFile, EOFError):
         raise OutputError(f"{path}: damaged; rerun the scene") from None
+    return Profiles(profiles, discretise(read_scene(directory)).zones)
 
 
 def read_result(directory: Path) -> Result:

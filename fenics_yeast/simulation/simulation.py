@@ -158,7 +158,7 @@ class Simulation:
         status, message = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
         return Result(
             history=History(rows),
-            profiles=Profiles(tuple(recorder.profiles)),
+            profiles=Profiles(tuple(recorder.profiles), self._shell.discretisation.zones),
             status=status,
             message=message + (stability_note(rows) if status != "failed" else ""),
             end_time=self._time,

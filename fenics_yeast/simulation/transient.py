@@ -86,7 +86,7 @@ class Transient:
 
     @property
     def _time(self) -> float:
-        return self._stepper.time
+        return self._stepper.accepted.time
 
     def restore(self, checkpoint: Checkpoint) -> None:
         """Continue from a checkpoint, whose arrays are those of this rank."""

@@ -95,21 +95,18 @@ class BorderedNewton:
     ) -> int:
         """Move trial state and parameter to the equilibrium of a given volume or displacement.
 
+        Returns the number of Newton iterations.
+
         Parameters
         ----------
         target
             Value of the weighted sum of conjugate and parameter; by default, the volume in µm³ or
             the displacement in µm.
         weights
-            Of conjugate and parameter in that sum.
+            Of conjugate and parameter in the sum.
         ramp
             Pressure in MPa at the beginning of the stage and its rate in MPa/min, if the stage's
             length is the unknown; by default, the pressure is constant.
-
-        Returns
-        -------
-        int
-            Newton iterations.
 
         Raises
         ------

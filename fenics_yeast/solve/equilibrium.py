@@ -35,11 +35,9 @@ REASONS = {
     -4: "the residual is not a number",
     -5: f"no convergence within {_MOST_ITERATIONS} Newton iterations",
     -6: "the line search found no smaller residual",
-    -7: "the inner solver failed",
     -8: "Newton's method ended in a local minimum of the residual that is no equilibrium",
     -9: "the residual diverged",
     -10: "the Jacobian is not defined",
-    -11: "the trust region became too small",
 }
 
 
@@ -50,12 +48,10 @@ class ChordState:
     Attributes
     ----------
     w, eps_g, base
-        Trial state, growth strains and those at the start of their stage; the latter two are None
+        Trial state, growth strains and those at the start of the stage; the latter two are None
         for an elastic wall.
-    stage, pressure
-        Length of the stage in min, and the pressure in MPa.
-    span
-        Interval in min during which growth was as then.
+    stage, pressure, span
+        Length of the stage in min, pressure in MPa, and the interval in min of the growth rate.
     """
 
     w: DofValues
@@ -67,13 +63,7 @@ class ChordState:
 
 
 class EquilibriumError(RuntimeError):
-    """No equilibrium was found; the shell is as it was before the attempt.
-
-    Attributes
-    ----------
-    iterations
-        Newton iterations of the attempt.
-    """
+    """No equilibrium was found, in a number of Newton iterations; the shell is unchanged."""
 
     def __init__(self, message: str, iterations: int) -> None:
         super().__init__(message)
@@ -90,13 +80,7 @@ def create_newton(comm: Any, prefix: str, tolerance: float) -> Any:
 
 
 def check_convergence(snes: Any) -> int:
-    """Return the Newton iterations of a converged solution.
-
-    Raises
-    ------
-    EquilibriumError
-        With the reason of SNES if it did not converge.
-    """
+    """Return the Newton iterations of a solution; raise EquilibriumError if it did not converge."""
     reason, iterations = snes.getConvergedReason(), snes.getIterationNumber()
     if reason > 0:
         return int(iterations)
@@ -140,12 +124,9 @@ class Equilibrium:
             item.destroy()
 
     def solve(self) -> int:
-        """Move the trial state to equilibrium under the shell's pressure, growth and stage.
+        """Move the trial state to equilibrium at the shell's loads, growth and stage.
 
-        Returns
-        -------
-        int
-            Newton iterations.
+        Returns the number of Newton iterations.
 
         Raises
         ------

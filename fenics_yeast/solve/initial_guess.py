@@ -28,16 +28,14 @@ def inflate_flat_membrane(
     load
         An increasing function of volume in µm³ and pressure in MPa.
     target
-        The value of this function after inflation.
-
-    Returns
-    -------
-    float
-        The pressure in MPa at that value; the shell's own if it is no flat membrane.
+        The value of this function after inflation; the pressure in MPa there is returned.
     """
-    if target == 0 or not is_flat_membrane(shell):
+    if target == 0 or shell.bending:
         return float(shell.pressure.value)
     curve = shell.discretisation.curve
+    height = curve.height(np.array([0.0, curve.length]))
+    if shell.comm.allreduce(bool(shell.w.x.array.any() or np.ptp(height)), op=dx.MPI.LOR):
+        return float(shell.pressure.value)
     S, dofs = dx.node_dofs(shell.space)
     a = float(curve.radius(np.zeros(1))[0])
 
@@ -54,12 +52,3 @@ def inflate_flat_membrane(
     shell.w.x.array[dofs[:, 1]] = rise * a * (1 - (curve.radius(S) / a) ** 2)
     shell.w.x.scatter_forward()
     return float(np.copysign(inflated(low)[1], target))
-
-
-def is_flat_membrane(shell: Shell) -> bool:
-    """Whether a wall is a flat membrane at rest."""
-    if shell.bending:
-        return False
-    ends = np.array([0.0, shell.discretisation.curve.length])
-    moved = bool(shell.w.x.array.any()) or bool(np.ptp(shell.discretisation.curve.height(ends)))
-    return not shell.comm.allreduce(moved, op=dx.MPI.LOR)

@@ -45,7 +45,8 @@ def approach_limit_point(
 ) -> Generator[T, None, tuple[bool, int]]:
     """Step in volume, with time as an unknown, until time reaches its maximum.
 
-    Yields what `record` returns for each accepted step.
+    Yields what `record` returns for each accepted step; returns whether a limit point was found
+    before the milestone, and the Newton iterations of rejected steps.
 
     Parameters
     ----------
@@ -61,11 +62,6 @@ def approach_limit_point(
         Time in min that must not be passed.
     record
         Called with Newton iterations and length in min of each accepted step.
-
-    Returns
-    -------
-    tuple
-        Whether a limit point was found before the milestone, and the iterations of rejected steps.
     """
     shell = stepper.shell
     if shell.growth is None:
@@ -74,11 +70,11 @@ def approach_limit_point(
     fraction = _LARGEST_STEP * min(1.0, 0.8 * (precision / 1e-4) ** (1 / _TABLEAU.order))
     largest = copysign(fraction * shell.volume(), growth_rate)
     change, first_rate = 0.5 * largest, growth_rate
-    beginning, pressure = stepper.time, stepper.pressure
+    beginning, pressure = stepper.accepted.time, stepper.pressure
     slope = (pressure(milestone) - pressure(beginning)) / (milestone - beginning)
     with BorderedNewton(shell, shell.growth.stage, tolerance) as solver:
         for _ in range(_MOST_GROWTH_STEPS):
-            start, volume = stepper.time, shell.volume()
+            start, volume = stepper.accepted.time, shell.volume()
             try:
                 guess = change / growth_rate
                 iterations, dt = _attempt(stepper, solver, volume + change, guess, slope)
@@ -118,8 +114,8 @@ def _attempt(
     """
     growth, accepted = stepper.shell.growth, stepper.accepted.eps_g
     assert growth is not None and accepted is not None
-    growth.set_interval(stepper.time, stepper.time)  # no milestone is passed
-    start, pressure = stepper.shell.volume(), stepper.pressure(stepper.time)
+    growth.set_interval(stepper.accepted.time, stepper.accepted.time)  # no milestone is passed
+    start, pressure = stepper.shell.volume(), stepper.pressure(stepper.accepted.time)
     A, c = _TABLEAU.A, _TABLEAU.c
     durations: list[float] = []
     changes: list[Array] = []  # of the growth strains, as over the whole step
@@ -157,10 +153,10 @@ class LimitPressure:
 
 
 def find_limit_pressure(shell: Shell, pressure: float, tolerance: float) -> LimitPressure | None:
-    """Find the limit point between the trial state and a pressure, at given growth.
+    """Find the limit point between the trial state and a pressure; None if there is none.
 
-    The trial state moves to just before the limit point or, if there is none, to about the given
-    pressure.
+    At given growth. The trial state moves to just before the limit point or, without one, to
+    about the given pressure.
 
     Parameters
     ----------
@@ -170,11 +166,6 @@ def find_limit_pressure(shell: Shell, pressure: float, tolerance: float) -> Limi
         Pressure in MPa to be reached, of either sign.
     tolerance
         Norm of the residual in µN at which it counts as zero.
-
-    Returns
-    -------
-    LimitPressure or None
-        None if the given pressure was reached.
 
     Raises
     ------

@@ -37,7 +37,7 @@ class Predictor:
     Attributes
     ----------
     solutions
-        The last solutions by time in min, stages of the steps included; never changed in place.
+        The last solutions and their times in min, those of stages among them; at least one.
     """
 
     def __init__(self, constrained: NDArray[np.int32]) -> None:
@@ -51,8 +51,6 @@ class Predictor:
         return predicted
 
     def add(self, time: float, w: Array) -> None:
-        """Add a solution; it replaces the last one if that has the same time."""
-        kept = self.solutions
-        if kept and kept[-1][0] == time:  # steps too short to tell apart
-            kept = kept[:-1]
-        self.solutions = (*kept, (time, w))[-_MOST_SOLUTIONS:]
+        """Add a solution; it replaces one at the same time."""
+        earlier = tuple(solution for solution in self.solutions if solution[0] != time)
+        self.solutions = (*earlier, (time, w))[-_MOST_SOLUTIONS:]

@@ -9,14 +9,14 @@ import numpy as np
 from .. import _dolfinx as dx
 from ..mechanics import GrowthState, Shell
 
-_SHIFT = 1e-10
-_REDUNDANT = "shared_wall_"  # prefix of the options of solvers on several ranks
-_LU_ON_EACH_RANK = {  # the options that `use_lu` sets on one rank
-    "redundant_pc_type": "lu",
-    "redundant_pc_factor_mat_solver_type": "petsc",
-    "redundant_pc_factor_mat_ordering_type": "rcm",
-    "redundant_pc_factor_shift_type": "nonzero",
-    "redundant_pc_factor_shift_amount": _SHIFT,
+_PREFIX = "wall_lu_"  # of the PETSc options of all linear solvers
+_LU = {
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "petsc",
+    "pc_factor_mat_ordering_type": "rcm",  # a banded matrix
+    # Without pivoting, a wall without bending stiffness (one fibre) leads to a zero pivot.
+    "pc_factor_shift_type": "nonzero",
+    "pc_factor_shift_amount": 1e-10,
 }
 
 
@@ -100,17 +100,10 @@ def use_lu(solver: Any) -> None:
     the last digit.
     """
     solver.setType("preonly")
-    factors = solver.getPC()
+    solver.setOptionsPrefix(_PREFIX)
+    options, own = dx.PETSc.Options(), ""
     if solver.getComm().getSize() > 1:
-        solver.setOptionsPrefix(_REDUNDANT)
-        options = dx.PETSc.Options()
-        for name, value in _LU_ON_EACH_RANK.items():
-            options[_REDUNDANT + name] = value
-        factors.setType("redundant")
-        solver.setFromOptions()
-        return
-    factors.setType("lu")
-    factors.setFactorSolverType("petsc")
-    factors.setFactorOrdering("rcm")  # a banded matrix
-    # Without pivoting, a wall without bending stiffness (one fibre) leads to a zero pivot.
-    factors.setFactorShift(dx.PETSc.Mat.FactorShiftType.NONZERO, _SHIFT)
+        options[_PREFIX + "pc_type"], own = "redundant", "redundant_"
+    for name, value in _LU.items():
+        options[_PREFIX + own + name] = value
+    solver.setFromOptions()

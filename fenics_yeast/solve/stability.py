@@ -68,17 +68,13 @@ class Stability:
         They are counted again if the volume has changed since the last count, or the pressure:
         towards a limit point of an inflated wall the volume changes ever faster.
         """
-        volume, pressure = self._shell.volume(), float(self._shell.pressure.value)
-        if not self._near_last(volume, pressure):
+        shell, last = self._shell, self._last
+        volume, pressure = shell.volume(), float(shell.pressure.value)
+        near = abs(volume - last.volume) < _SAME * last.volume and pressure == last.pressure
+        # A force or external pressure may buckle the wall at the same volume.
+        if not near or pressure <= 0 or shell.force is not None:
             self._last = StabilityState(self._count(), volume, pressure)
         return self._last.negative_modes
-
-    def _near_last(self, volume: float, pressure: float) -> bool:
-        """Whether the last count is valid in this state."""
-        if self._shell.force is not None or pressure <= 0:
-            return False  # a force or external pressure may buckle the wall at the same volume
-        change = abs(volume - self._last.volume)
-        return change < _SAME * self._last.volume and pressure == self._last.pressure
 
     def _count(self) -> int:
         dx.assemble_matrix(self._matrix, self._shell.forms.tangent, self._shell.conditions)

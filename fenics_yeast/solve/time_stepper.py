@@ -9,7 +9,7 @@ without an equilibrium is rejected here.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,14 +29,12 @@ _POWER_ITERATIONS = 3
 
 @dataclass(frozen=True)
 class StepperState:
-    """The accepted state of a time stepper.
+    """An accepted state of a shell and what the next step depends on.
 
     Attributes
     ----------
-    time
-        In min.
-    w, eps_g
-        The state of the shell, as in `ShellState`.
+    time, w, eps_g
+        Time in min, and the state of the shell as in `ShellState`.
     rate, stiffest
         Growth rate in 1/min and the direction in which growth is stiffest; None if unknown.
     solution_times, solutions
@@ -54,15 +52,9 @@ class StepperState:
 
 @dataclass(frozen=True)
 class StepResult:
-    """Newton iterations of a trial step and its estimated error.
+    """Newton iterations of a trial step, and the estimated error of its growth strains.
 
-    Attributes
-    ----------
-    iterations
-        Newton iterations.
-    error
-        Estimated error of the growth strains, in the layout of `GrowthState.get`; None for an
-        elastic wall.
+    The error has the layout of `GrowthState.get`; it is None for an elastic wall.
     """
 
     iterations: int
@@ -83,8 +75,8 @@ class TimeStepper:
 
     Attributes
     ----------
-    time, accepted
-        Time in min and shell of the accepted state, which any failure restores.
+    accepted
+        The accepted state, which is restored after any failure.
 
     Raises
     ------
@@ -104,12 +96,11 @@ class TimeStepper:
         self.shell, self._equilibrium = shell, equilibrium
         self._tableau, self.pressure = tableau, pressure
         self._predictor = Predictor(shell.constrained)
-        self._rate: Array | None = None  # of growth in the accepted state, if known
         self._trial_rate: Array | None = None
-        self._stiffest: Array | None = None
-        self.time = 0.0
-        self._unloaded = self.accepted = shell.state()
-        self.reset_predictor()
+        wall = shell.state()
+        self._predictor.solutions = ((0.0, wall.w),)
+        unloaded = StepperState(0.0, wall.w, wall.eps_g, None, None, (0.0,), (wall.w,))
+        self._unloaded = self.accepted = unloaded
 
     # --- one step -------------------------------------------------------------------------
 
@@ -129,30 +120,27 @@ class TimeStepper:
 
     def accept(self, time: float) -> None:
         """Accept the trial step: its end, at a time in min, becomes the accepted state."""
-        self.time, self.accepted = time, self.shell.state()
-        self._accepted_solutions = self._predictor.solutions
-        self._rate, self._trial_rate = self._trial_rate, None
+        wall, rate, stiffest = self.shell.state(), self._trial_rate, self.accepted.stiffest
+        times, solutions = zip(*self._predictor.solutions, strict=True)
+        self.accepted = StepperState(time, wall.w, wall.eps_g, rate, stiffest, times, solutions)
+        self._trial_rate = None
 
     def reject(self) -> None:
         """Reject the trial step: return to the accepted state, as if it had never been tried.
 
         Shell, pressure and predictor are restored to the last bit.
         """
-        self.shell.restore(self.accepted)
-        self.shell.pressure.value = self.pressure(self.time)
-        if self.shell.growth is not None:
-            self.shell.growth.stage.value = 0.0
-        self._predictor.solutions = self._accepted_solutions
+        accepted, growth = self.accepted, self.shell.growth
+        self.shell.restore(ShellState(accepted.w, accepted.eps_g))
+        self.shell.pressure.value = self.pressure(accepted.time)
+        if growth is not None:
+            growth.stage.value = 0.0
+        solutions = zip(accepted.solution_times, accepted.solutions, strict=True)
+        self._predictor.solutions = tuple(solutions)
         self._trial_rate = None
 
     def step(self, end: float) -> StepResult:
-        """Make a step to a time in min and accept it.
-
-        Raises
-        ------
-        EquilibriumError
-            If a stage has no solution; the accepted state is then unchanged.
-        """
+        """Make a step to a time in min and accept it; raises what `attempt` raises."""
         result = self.attempt(end)
         self.accept(end)
         return result
@@ -172,7 +160,7 @@ class TimeStepper:
         Raises
         ------
         EquilibriumError
-            If there is none; the trial state is then unchanged.
+            If none was found; the trial state is then unchanged.
         """
         self.shell.pressure.value = self.pressure(0.0)
         iterations = self._equilibrium.solve()
@@ -182,28 +170,25 @@ class TimeStepper:
 
     def unload(self) -> None:
         """Return the shell to its initial state, without pressure."""
-        self.time, self.accepted = 0.0, self._unloaded
-        self.reset_predictor()
+        self.accepted = self._unloaded
         self.reject()
         self.shell.pressure.value = 0.0
 
     def reset_predictor(self) -> None:
         """Extrapolate only from the accepted state on: load or growth rate have a kink here."""
-        self._rate = None
-        self._predictor.solutions = self._accepted_solutions = ((self.time, self.accepted.w),)
+        accepted = self.accepted
+        self.accepted = replace(
+            accepted, rate=None, solution_times=(accepted.time,), solutions=(accepted.w,)
+        )
+        self._predictor.solutions = ((accepted.time, accepted.w),)
 
     def state(self) -> StepperState:
         """Return the accepted state."""
-        times = tuple(time for time, _ in self._accepted_solutions)
-        solutions = tuple(w for _, w in self._accepted_solutions)
-        w, eps_g = self.accepted.w, self.accepted.eps_g
-        return StepperState(self.time, w, eps_g, self._rate, self._stiffest, times, solutions)
+        return self.accepted
 
     def restore(self, state: StepperState) -> None:
         """Continue from an accepted state."""
-        self.time, self.accepted = state.time, ShellState(state.w, state.eps_g)
-        self._rate, self._stiffest = state.rate, state.stiffest
-        self._accepted_solutions = tuple(zip(state.solution_times, state.solutions, strict=True))
+        self.accepted = state
         self.reject()
 
     # --- the growth rate ------------------------------------------------------------------
@@ -213,7 +198,7 @@ class TimeStepper:
         """Whether nothing grows in the accepted state."""
         growth, grows = self.shell.growth, False
         if growth is not None:
-            growth.set_interval(self.time, self.time)
+            growth.set_interval(self.accepted.time, self.accepted.time)
             grows = bool(growth.rate().any())
         return not self.shell.comm.allreduce(grows, op=dx.MPI.LOR)
 
@@ -228,10 +213,10 @@ class TimeStepper:
         growth = self.shell.growth
         if growth is None or not self._tableau.is_explicit:
             return np.inf
-        growth.set_interval(self.time, self.time)
+        growth.set_interval(self.accepted.time, self.accepted.time)
         accepted, rate = growth.get(), growth.rate()
         pairs = (*accepted.shape[:-1], -1, 2)
-        v = rate if self._stiffest is None else self._stiffest
+        v = rate if self.accepted.stiffest is None else self.accepted.stiffest
         size = np.zeros(1)
         for _ in range(_POWER_ITERATIONS):
             length = np.linalg.norm(v.reshape(pairs), axis=-1, keepdims=True)
@@ -240,14 +225,14 @@ class TimeStepper:
             v = (rate - growth.rate()) / _INCREMENT
             size = np.linalg.norm(v.reshape(pairs), axis=-1)
         growth.set(accepted)
-        self._stiffest = v
+        self.accepted = replace(self.accepted, stiffest=v)
         largest = self.shell.comm.allreduce(float(size.max(initial=0.0)), op=dx.MPI.MAX)
         return _STABLE / largest if largest > 0 else np.inf
 
     # --- stages ---------------------------------------------------------------------------
 
     def _solve_stages(self, end: float) -> StepResult:
-        growth, start = self.shell.growth, self.time
+        growth, start = self.shell.growth, self.accepted.time
         if growth is None or self.accepted.eps_g is None:
             return StepResult(self._solve(end), None)
         growth.set_interval(start, end)
@@ -263,8 +248,8 @@ class TimeStepper:
                 iterations += self._solve(end if i == len(c) - 1 else start + c[i] * dt)
             if A[i, i] > 0:
                 rates.append((growth.get() - base) / (A[i, i] * dt))
-            elif i == 0 and self._rate is not None:
-                rates.append(self._rate)  # the accepted state is the last stage of its step
+            elif i == 0 and self.accepted.rate is not None:
+                rates.append(self.accepted.rate)  # the accepted state is the last stage of its step
             else:
                 rates.append(growth.rate())
         weights = self._tableau.b - self._tableau.embedded

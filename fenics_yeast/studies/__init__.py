@@ -13,11 +13,13 @@ from .table import TABLE, CaseRow
 
 if TYPE_CHECKING:
     from .error_bars import estimate_error_bars
+    from .figure import draw_sweep
 
 __all__ = [
     "TABLE",
     "Case",
     "CaseRow",
+    "draw_sweep",
     "estimate_error_bars",
     "parse_variation",
     "plan",
@@ -25,8 +27,8 @@ __all__ = [
     "value_label",
 ]
 
-# What loads dolfinx, by the module that holds it.
-_LATE = {"estimate_error_bars": "error_bars"}
+# Names whose modules load dolfinx or figures.
+_LATE = {"draw_sweep": "figure", "estimate_error_bars": "error_bars"}
 
 
 def __getattr__(name: str) -> Any:

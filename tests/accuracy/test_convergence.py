@@ -1,4 +1,4 @@
-"""Orders of the elements, fitted to the errors of a wall that has grown by a given strain."""
+"""Orders of the elements, fitted to the errors of a wall with a given growth strain."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def deformed(scene, order: int, elements: int, geometry: str = "curved"):
 
 @pytest.fixture(scope="module")
 def exact(sphere_scene):
-    """Fine solution of high order: its own error is far below those that are fitted."""
+    """Fine solution of high order, whose error is far below those that are fitted."""
     return deformed(sphere_scene, 3, 384)
 
 
@@ -60,14 +60,14 @@ def test_elements_have_their_order(sphere_scene, exact, order, elements):
 
 
 def test_conical_elements_are_of_second_order(sphere_scene):
-    """Towards a limit of their own, hence fitted to differences."""
+    """Fitted to differences, since their limit is another one."""
     elements = (24, 48, 96, 192)
     volumes = [deformed(sphere_scene, 1, n, "conical")[2] for n in elements]
     assert fitted_order(elements[1:], np.diff(volumes)) == pytest.approx(2, abs=0.05)
 
 
-def test_loaded_sphere_is_deformed(exact):
-    """Else the orders above would be those of a sphere."""
+def test_loaded_sphere_is_deformed_strongly(exact):
+    """Otherwise the orders above would be those of a sphere."""
     _, nodes, volume = exact
     assert volume > 1.2 * 4 / 3 * np.pi * 2.5**3
     assert nodes[:, 2].max() - nodes[:, 2].min() > 0.05
