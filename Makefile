@@ -55,9 +55,9 @@ test-fast: .venv/.installed-test  ## the tests that take less than a minute
 	@$(PYTHON) $(MEASURED) -m pytest -m "not slow and not process and not ranks" $(ARGS)
 
 .PHONY: test-ranks
-test-ranks: .venv/.installed-test  ## tests marked `ranks`, on two and three ranks
+test-ranks: .venv/.installed-test  ## tests marked `distributed`, on two and three ranks
 	@for n in 2 3; do \
-	    timeout 600 mpirun -n $$n $(PYTHON) -m pytest --color=no -m ranks $(ARGS) || \
+	    timeout 600 mpirun -n $$n $(PYTHON) -m pytest --color=no -m distributed $(ARGS) || \
 	        { echo "error: the tests failed on $$n ranks" >&2; exit 1; }; \
 	done
 

@@ -75,6 +75,7 @@ def test_a_static_scene_gives_one_row_and_one_shape(here: Path) -> None:
     assert len(read_history(folder)) == len(read_profiles(folder)) == 1
 
 
+@pytest.mark.process
 def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
     master, slave = pty.openpty()
     environment = ranks.environment() | {"TERM": "xterm", "COLUMNS": "100"}
@@ -115,6 +116,7 @@ def test_plot_draws_what_is_there(here: Path) -> None:
     assert call("plot", "run").exit_code == 2
 
 
+@pytest.mark.process
 def test_a_service_has_no_home_in_its_environment(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -126,6 +128,7 @@ def test_a_service_has_no_home_in_its_environment(
     assert read_summary(here / "out" / "small").status == "finished"
 
 
+@pytest.mark.process
 def test_an_unknown_user_without_a_home_runs_and_leaves_nothing(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -139,6 +142,7 @@ def test_an_unknown_user_without_a_home_runs_and_leaves_nothing(
     assert not list((here / "temporary").glob("fenics-yeast-*"))
 
 
+@pytest.mark.process
 def test_a_home_that_cannot_be_written_is_no_matter(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -233,6 +237,7 @@ def test_check_says_that_a_scene_is_valid(here: Path) -> None:
     assert tree(here) == {"small.toml"}
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("arguments", "heavy"),
     [

@@ -46,6 +46,7 @@ def test_optional_settings_of_the_example_are_valid() -> None:
     assert scene.turgor.pressure != Scene.from_toml(example).turgor.pressure
 
 
+@pytest.mark.process
 def test_info_reports_a_working_installation() -> None:
     done = finish("info")
     assert (done.returncode, done.stderr) == (0, "")
@@ -54,6 +55,7 @@ def test_info_reports_a_working_installation() -> None:
     assert "PETSc" in done.stdout and "a form compiled" in done.stdout
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("missing", "advice"),
     [("compiler", "sudo apt install gcc"), ("dolfinx", "sudo apt install python3-dolfinx")],
@@ -98,6 +100,7 @@ def test_keys_and_choices_are_completed() -> None:
         assert text.endswith("=")
 
 
+@pytest.mark.process
 def test_a_shell_gets_the_completion() -> None:
     environment = ranks.environment() | {
         "_FENICS_YEAST_COMPLETE": "complete_bash",

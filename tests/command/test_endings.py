@@ -62,6 +62,7 @@ def test_other_ends_have_their_exit_status(
 INTERRUPTS = [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("numbers", INTERRUPTS)
 def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers: list[int]) -> None:
     """Ctrl-C, the end of a batch job or of a connection; once more while figures are drawn."""
@@ -82,6 +83,7 @@ def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers:
     assert tree(folder) == FILES if len(numbers) == 1 else tree(folder) <= FILES
 
 
+@pytest.mark.process
 def test_under_nohup_the_end_of_a_connection_is_no_matter(here: Path) -> None:
     command = ["nohup", *COMMAND, "run", "small.toml", "--quiet", "--set", "numerics.step=0.02"]
     pipe = subprocess.PIPE
@@ -93,6 +95,7 @@ def test_under_nohup_the_end_of_a_connection_is_no_matter(here: Path) -> None:
     assert read_summary(folder).status == "finished"
 
 
+@pytest.mark.process
 def test_a_script_ends_with_its_connection() -> None:
     """Which MPI's libraries would keep from it."""
     code = "from fenics_yeast import simulate; import os; os.kill(os.getpid(), 1); print('goes on')"
@@ -111,6 +114,7 @@ def on_a_small_disk(size: int, *options: str) -> subprocess.CompletedProcess[str
     return finish("run", "small.toml", "--quiet", *options, before=before)
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("size", "status", "advice"),
     [
@@ -174,6 +178,7 @@ def test_an_interrupt_of_the_compilation_leaves_what_the_folder_holds(
     assert [profile.time for profile in read_profiles(folder)] == [10, 20]
 
 
+@pytest.mark.process
 def test_a_reader_that_goes_away_does_not_end_the_run(here: Path) -> None:
     process = start("run", "small.toml")
     assert process.stdout is not None
@@ -185,6 +190,7 @@ def test_a_reader_that_goes_away_does_not_end_the_run(here: Path) -> None:
 FINE = ("--set", "numerics.step=0.04", "--set", "run.save=[1, 10, 20]")
 
 
+@pytest.mark.process
 def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
     folder = here / "out" / "small"
     process = start("run", "small.toml", "--quiet", *FINE)
@@ -197,6 +203,7 @@ def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
     assert read_summary(folder).status == "finished"
 
 
+@pytest.mark.process
 def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
     done = on_a_small_disk(30_000, *FINE)
     assert done.returncode == 4
@@ -208,6 +215,7 @@ def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
     assert np.isfinite(history.volume_ratio).all()
 
 
+@pytest.mark.process
 def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
     before = (
         "from fenics_yeast.solve.time_stepper import TimeStepper, EquilibriumError\n"

@@ -127,7 +127,7 @@ def test_dissipation_is_never_negative(bud_run):
     assert np.all(bud_run.history.dissipation_rate > 0)
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 def test_dissipation_of_a_sphere_is_that_of_its_stress(sphere_scene):
     """`τ_i dε_i^g/dt` of a membrane in volume `4 π R0² h`, at its elastic equilibrium."""
     scene = sphere_scene.with_values({"run.end": 0.01, "numerics.step": 0.01})
@@ -140,7 +140,7 @@ def test_dissipation_of_a_sphere_is_that_of_its_stress(sphere_scene):
     assert history.dissipation_rate[0] == pytest.approx(per_volume * wall_volume, rel=2e-3)
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 @pytest.mark.parametrize(("factor", "grows"), [(0.96, True), (1.04, False)])
 def test_sphere_grows_if_its_stress_passes_the_threshold(sphere_scene, factor, grows):
     """‖σ‖ = √2 p r/2h in the mid-surface, 1.6 % more and less in the outer and inner fibres."""

@@ -198,7 +198,8 @@ def moments() -> Iterator[float]:
     return iter(lambda: source.uniform(1, 16), None)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.process
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.ranks)])
 def test_killed_ten_times_a_run_is_that_of_no_kill(
     here: Path, ranks: int, moments: Iterator[float]
 ) -> None:
@@ -221,8 +222,10 @@ def test_killed_ten_times_a_run_is_that_of_no_kill(
     assert not list((here / "killed").glob("*.part"))
 
 
+@pytest.mark.process
+@pytest.mark.ranks
 def test_a_checkpoint_is_that_of_any_number_of_ranks(here: Path) -> None:
-    """Sums are rounded in another order: the digits are those of test_mpi."""
+    """Sums are rounded in another order: as many digits agree as in test_mpi."""
     runs = {ranks: Runs(here, ranks) for ranks in (1, 2)}
     runs[1].finish("whole")
     whole = read_result(here / "whole")

@@ -46,11 +46,13 @@ def run(command: list[str], folder: Path) -> None:
     assert ended or (done.returncode, done.stderr) == (0, ""), f"{command}: {done.stderr}"
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("number", range(len(blocks("python"))))
 def test_python_block(number: int, checkout: Path) -> None:
     run([sys.executable, "-c", blocks("python")[number]], checkout)
 
 
+@pytest.mark.process
 def test_commands_in_their_order(checkout: Path) -> None:
     """A command finds what those before it left."""
     assert len(commands()) >= 3
@@ -146,6 +148,7 @@ def test_tables_of_outputs_are_those_of_the_code(cell_scene: Scene) -> None:
     assert set(first_cells(page, "Arrays of `profiles.npz`")) == set(profiles.arrays())
 
 
+@pytest.mark.process
 def test_nothing_else_lies_at_the_top() -> None:
     """What a visitor sees first; a checkout only."""
     if not (TOP / ".git").exists():

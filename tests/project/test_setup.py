@@ -52,16 +52,19 @@ def refused(machine: Path, target: str = "debian-packages") -> str:
     return line
 
 
+@pytest.mark.process
 def test_without_debian(machine: Path) -> None:
     assert f"needs Debian 12 or 13 with {PACKAGES}" in refused(machine)
 
 
+@pytest.mark.process
 def test_without_sudo(machine: Path) -> None:
     program(machine, "apt-get", "exit 0")
     line = refused(machine)
     assert "sudo are missing" in line and f"apt-get install {PACKAGES}" in line
 
 
+@pytest.mark.process
 def test_without_a_mirror(machine: Path) -> None:
     """As root; the last words of apt come before ours."""
     program(machine, "id", "echo 0")
@@ -70,6 +73,7 @@ def test_without_a_mirror(machine: Path) -> None:
     assert "could not be installed" in line and f"apt-get install {PACKAGES}" in line
 
 
+@pytest.mark.process
 @pytest.mark.skipif(not DEBIAN_DOLFINX, reason="dolfinx is not that of Debian")
 def test_a_network_without_pypi_is_told_and_no_harm(tmp_path: Path) -> None:
     """In a folder with a space, with another python3 first on PATH and a NumPy in the home."""

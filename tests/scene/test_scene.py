@@ -242,6 +242,7 @@ def test_scenes_are_frozen(bud):
         bud.wall.thickness = 1.0
 
 
+@pytest.mark.process
 def test_a_scene_loads_neither_dolfinx_nor_pint(tmp_path):
     path = tmp_path / "balloon.toml"
     path.write_text(BALLOON)

@@ -1,18 +1,12 @@
 """Loads of a scene other than constant turgor: time-dependent pressure, forces, static paths."""
 
 import pytest
+from support import scenes
 
 from fenics_yeast import Scene, SceneError
 from fenics_yeast.scene import PressureTable, StaticPath, Until
 
-BALLOON = """\
-[cell]
-shape = "sphere"
-diameter = 5
-[wall]
-thickness = 0.1
-shear_modulus = 40
-"""
+BALLOON = scenes.BALLOON[: scenes.BALLOON.index("[turgor]")]
 STEADY = "[turgor]\npressure = 0.2\n"
 RUN = "[run]\nend = 90\n"
 GROWTH = '[growth]\nzone = { pole = "top", half_angle = 24 }\nthreshold = 1\ntime = 45\n'

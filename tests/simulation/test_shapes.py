@@ -1,4 +1,4 @@
-"""What a wall of each shape does unloaded and under turgor."""
+"""Walls of every shape: unloaded volumes and stresses under turgor."""
 
 import numpy as np
 import pytest
@@ -24,14 +24,14 @@ CELLS = {shape: Cell(**keys) for shape, keys in SHAPES.items()}
         ("cylinder", np.pi * 2**2 * 9),
     ],
 )
-def test_unloaded_walls_rest_and_enclose_their_volume(elastic_scene, shape, volume):
+def test_unloaded_walls_are_in_equilibrium_and_enclose_their_volume(elastic_scene, shape, volume):
     scene = elastic_scene.with_values({"cell": CELLS[shape], "numerics.elements": 24})
     shell = build_shell(scene)
     assert shell.volume() == pytest.approx(volume, rel=1e-6, abs=1e-12)
     np.testing.assert_allclose(dx.fem.assemble_vector(shell.forms.residual).array, 0, atol=1e-13)
 
 
-def test_joints_are_nodes(elastic_scene):
+def test_joints_of_a_capsule_are_nodes(elastic_scene):
     for grading in ("uniform", "graded"):
         values = {"cell": CELLS["capsule"], "numerics.grading": grading, "numerics.elements": 17}
         cut = discretise(elastic_scene.with_values(values))
@@ -63,7 +63,7 @@ def test_a_capsule_carries_twice_the_stress_around_its_side(elastic_scene):
 
 
 @pytest.mark.parametrize("shape", ["spheroid", "profile"])
-def test_membrane_stresses_of_a_spheroid(elastic_scene, shape):
+def test_membrane_stresses_of_a_spheroid_are_those_of_the_closed_form(elastic_scene, shape):
     """σ1 = p R2/2h, σ2 = σ1 (2 - R2/R1), R1 and R2 the radii of curvature."""
     values = {"cell": CELLS[shape], "wall.thickness": 0.02, "wall.shear_modulus": 4e4,
               "numerics.elements": 40}  # fmt: skip

@@ -15,7 +15,7 @@ GROWTH = {"threshold": 1.0, "time": 45.0}
 
 @pytest.fixture(scope="module")
 def coarse(cell_scene: Scene) -> Scene:
-    """The bud on few cells of the default kind, to 30 min in fixed steps."""
+    """The bud on few elements of the default order, to 30 min in fixed steps."""
     numerics = {"elements": 16, "order": 4, "thickness_points": 3, "step": 2.0}
     return cell_scene.with_values({"numerics": numerics, "run": {"end": 30.0}})
 
@@ -40,7 +40,7 @@ def test_zones_at_both_poles_grow_a_symmetric_cell(coarse):
 
 @pytest.mark.parametrize("geometry", ["curved", "conical"])
 def test_equal_zones_side_by_side_are_their_union(coarse, geometry):
-    """On the same nodes, of which the edge between the two is one."""
+    """On the same nodes; the edge between the two is a node."""
     halves = {"numerics.grading": "uniform", "numerics.elements": 30, "numerics.geometry": geometry}
     scene = coarse.with_values(halves)
     parts = [{"from_fraction": 0.8, "to_fraction": 0.9}, {"from_fraction": 0.9, "to_fraction": 1.0}]
@@ -59,7 +59,7 @@ def test_equal_zones_side_by_side_are_their_union(coarse, geometry):
         {"from_fraction": 1 - 24 / 180, "to_fraction": 1.0},
     ],
 )
-def test_a_zone_is_the_same_however_it_is_given(coarse, zone):
+def test_a_zone_by_angle_position_or_fraction_is_the_same(coarse, zone):
     cut, same = (discretise(s) for s in (coarse, coarse.with_values({"growth.zone": zone})))
     np.testing.assert_allclose(same.nodes, cut.nodes, rtol=1e-12)
     (part,) = same.growing
@@ -67,7 +67,7 @@ def test_a_zone_is_the_same_however_it_is_given(coarse, zone):
 
 
 def test_each_zone_has_its_own_threshold_and_time(coarse):
-    """One never grows; one is as it would be alone, in half the time for half its own time."""
+    """One never grows; the other grows as without it, in half the time at half the growth time."""
     top = {"zone": {"pole": "top", "half_angle": 24}, "time": 22.5}
     idle = {"zone": {"from": 1.0, "to": 2.0}, "threshold": 50.0}
     scene = coarse.with_values({"numerics.elements": 40, "numerics.step": 1.0, "run.end": 15})
@@ -83,8 +83,8 @@ def test_each_zone_has_its_own_threshold_and_time(coarse):
 
 
 @pytest.mark.parametrize("integrator", ["forward-euler", "backward-euler", "sdirk3"])
-def test_growth_ends_and_holds_its_volume(coarse, integrator):
-    """The time of the end is a step's; up to it nothing is other than without an end."""
+def test_the_volume_is_constant_after_growth_has_ended(coarse, integrator):
+    """A step ends at that time; until then the volume is that of growth without an end."""
     numerics = {"numerics.integrator": integrator, "numerics.step": 0.5}
     scene = coarse.with_values({**numerics, "run": {"end": 8.0, "save": [4.0, 8.0]}})
     always = simulate(scene).history
@@ -98,7 +98,7 @@ def test_growth_ends_and_holds_its_volume(coarse, integrator):
 
 @pytest.mark.parametrize("integrator", ["forward-euler", "sdirk3"])
 def test_growth_that_begins_late_is_growth_shifted_in_time(coarse, integrator):
-    """With adaptive steps; those before growth go to its beginning in one."""
+    """With adaptive steps, of which few are taken before growth begins."""
     numerics = {"numerics.integrator": integrator, "numerics.step": None}
     run = {"end": 4.0, "save": [4.0]}
     scene = coarse.with_values({**numerics, "run": run, "numerics.tolerance": 1e-3})
@@ -110,8 +110,8 @@ def test_growth_that_begins_late_is_growth_shifted_in_time(coarse, integrator):
     assert late.volume_ratio[-1] - late.volume_ratio[0] == pytest.approx(grown, rel=5e-3)
 
 
-def test_a_scene_pays_for_nothing_that_it_does_not_use(coarse):
-    """One zone, or several alike: thresholds and times are constants, and there is no weight."""
+def test_equal_zones_give_constant_parameters_and_no_weight(coarse):
+    """Of one zone or several alike; only what differs between zones becomes a function."""
     alike = [{**GROWTH, "zone": {"pole": pole, "half_angle": 24}} for pole in ("top", "bottom")]
     for scene in (coarse, coarse.with_values({"growth": alike})):
         cut = discretise(scene)

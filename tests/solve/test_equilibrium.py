@@ -36,7 +36,7 @@ def stretch_of(scene) -> float:
     return result.history.volume_ratio[-1] ** (1 / 3)
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 @pytest.mark.parametrize("alpha", [2.0, 3.5, -1.0])
 @pytest.mark.parametrize("pressure", [0.2, 1.0, -0.1])
 def test_elastic_sphere_has_its_closed_form(elastic_scene, alpha, pressure):
@@ -73,7 +73,7 @@ def test_thin_shell_converges_to_the_membrane_with_the_square_of_its_thickness(e
     assert abs(errors[-1]) < 1e-3
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 def test_solver_finds_no_equilibrium_beyond_the_limit_point(elastic_scene):
     """Stretch 7^(1/6) at the limit; the shell's bending moves it by 1e-4 or so."""
     assert load(7 ** (1 / 6), 2.0) == pytest.approx(LIMIT, abs=1e-6)
@@ -93,7 +93,7 @@ def test_solver_finds_no_equilibrium_beyond_the_limit_point(elastic_scene):
             equilibrium.solve()
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 def test_compliance_is_the_slope_of_the_volume(elastic_scene):
     shell = build_shell(elastic_scene)
     volumes = []

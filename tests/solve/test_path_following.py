@@ -49,7 +49,7 @@ def test_all_controls_of_pressure_reach_the_same_state(elastic_scene: Scene) -> 
         assert result.history.stable.all()
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 @pytest.mark.parametrize("control", ["pressure", "volume", "arc-length"])
 def test_unreachable_pressure_is_reported_with_the_limit_pressure(
     elastic_scene: Scene, control: str
@@ -122,7 +122,7 @@ def test_growing_bud_is_stable_until_it_bursts(bud_run: Result) -> None:
     assert "unstable" not in bud_run.message
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 @pytest.mark.parametrize("values", [{}, {"run": {"end": 1.0}}])
 def test_equilibrium_just_below_the_limit_pressure_is_found(
     elastic_scene: Scene, values: dict
@@ -145,7 +145,7 @@ def changing(scene: Scene, **values: object) -> Result:
     return simulate(scene.with_values(changes))
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 def test_turgor_follows_its_table_and_meets_its_kinks(sphere_scene: Scene) -> None:
     result = changing(sphere_scene, **{"growth": None, "turgor.ramp": 0.25, "numerics.step": 0.3})
     history = result.history

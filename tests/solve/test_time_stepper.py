@@ -133,7 +133,7 @@ def test_milestones_are_met_exactly_with_equal_steps_between_them(fine_scene):
         assert len(inside) == np.ceil(round((end - start) / 0.25, 9))
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 def test_fixed_steps_have_the_given_size(sphere_scene):
     """Whatever the round-off of their sum."""
     values = {"run.end": 7.0, "numerics.step": 0.1, "numerics.integrator": "backward-euler"}

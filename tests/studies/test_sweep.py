@@ -120,6 +120,7 @@ def test_what_cannot_be_planned_is_told_in_a_line(bud: Scene, text: str, words: 
 # Running --------------------------------------------------------------------------------------
 
 
+@pytest.mark.process
 def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) -> None:
     vary = ("--vary", "growth.time=30,45", "--vary", "growth.threshold=0.9 MPa:1.1 MPa:2")
     done = sweep(*vary, "--jobs", "2", "--set", "run.save=[2,8]")
@@ -152,6 +153,7 @@ def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) 
     assert f"{case}/figures/shapes.png" in plot.stdout
 
 
+@pytest.mark.process
 def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
     assert sweep("--vary", "growth.time=30,45", "--jobs", "1").returncode == 0
     folders = {time: here / "sweep" / f"growth.time={time}" for time in (30, 45, 60)}
@@ -170,6 +172,7 @@ def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
     assert read_summary(folders[60]).status == "finished"
 
 
+@pytest.mark.process
 def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
     blocked = here / "sweep" / "growth.time=45"
     blocked.mkdir(parents=True)
@@ -183,12 +186,14 @@ def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
     assert (blocked / "history.csv").read_text() == "precious"
 
 
+@pytest.mark.process
 def test_no_equilibrium_is_an_answer(here: Path) -> None:
     done = sweep("--vary", "turgor.pressure=0.2,2", "--jobs", "1", "--quiet")
     assert (done.returncode, done.stderr) == (0, "")
     assert [row["status"] for row in table(here)] == ["finished", "no-equilibrium"]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -208,6 +213,7 @@ def test_what_is_wrong_is_told_before_anything_runs(
     assert [path.name for path in here.iterdir()] == ["small.toml"]
 
 
+@pytest.mark.process
 def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
     (here / "sweep").mkdir()
     (here / "sweep" / "sweep.csv").write_text("my,own\n1,2\n")
@@ -221,6 +227,7 @@ def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
 LONG = ("--set", "numerics.step=0.005")  # some seconds each
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("to_all", [True, False])
 def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_all: bool) -> None:
     """A terminal interrupts every process; a batch system ends the first one."""
@@ -273,6 +280,7 @@ def children(process: subprocess.Popen[str]) -> list[int]:
     return found
 
 
+@pytest.mark.process
 def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
     """Whoever is killed twice is to blame; the others run again."""
     process = start("--vary", "numerics.step=0.002,2,4", "--jobs", "1")
@@ -288,6 +296,7 @@ def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
     assert "process was killed" in rows[0]["message"]
 
 
+@pytest.mark.process
 def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
     process = start("--vary", "growth.time=30,45", "--jobs", "2", *LONG)
     wait_for(lambda: lines(here / "sweep" / "growth.time=45") > 5, process)
@@ -301,6 +310,7 @@ def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.process
 def test_many_cases_in_one_process_take_the_memory_of_a_few(bud: Scene) -> None:
     """A run that leaves its solver behind costs 30 kB each time."""
     code = """

@@ -1,4 +1,4 @@
-"""The command, called within the process of the tests or started as one of its own."""
+"""The command, called within the process of the tests or started as a process."""
 
 import inspect
 import signal
@@ -35,15 +35,15 @@ def call(*arguments: str) -> Result:
 
 
 def hear() -> None:
-    """Let a new process hear what is ignored in the background or under nohup (`preexec_fn`)."""
+    """Make a new process receive signals ignored in the background or under nohup (`preexec_fn`)."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_DFL)
 
 
 def start(*arguments: str, before: str = "", **options: Any) -> subprocess.Popen[str]:
-    """Start the command as a process of its own, which runs some Python `before`.
+    """Start the command as a process that runs some Python `before`.
 
-    It belongs to no MPI run, and hears Ctrl-C in the background too.
+    It belongs to no MPI run, and receives Ctrl-C in the background too.
     """
     pipe = subprocess.PIPE
     pipes = {"stdout": pipe, "stderr": pipe, "text": True, "env": ranks.environment()}
