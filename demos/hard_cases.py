@@ -165,7 +165,7 @@ def steps() -> list[Case]:
     cases += [
         Case(
             f"forward Euler, {step:g} min", "V/V0", bud({**explicit, "numerics.step": step}),
-            "finished", CONVERGED, BACKWARD_SLOPE * 0.45, f"{CPP}, error at its limit", "cut",
+            "finished", CONVERGED, BACKWARD_SLOPE * 0.45, f"{CPP}, error at its limit", "reduced",
         )
         for step in (0.5, 2.0, 20.0)
     ]  # fmt: skip
