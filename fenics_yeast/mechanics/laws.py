@@ -7,15 +7,12 @@ from dataclasses import dataclass, field
 from functools import wraps
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from ufl.core.expr import Expr
 
 from .growth_weights import Weights
+from .reference import ByPlace
 
-Array = NDArray[np.float64]
-
-Parameter = float | Callable[[Array], Array] | Weights
+Parameter = ByPlace | Weights
 
 
 @dataclass(frozen=True)
@@ -28,16 +25,34 @@ class Law:
         Strain energy, a function of the elastic strains (see `hyperelasticity`), or growth rate,
         a function of a `WallPoint` (see `growth_laws`); further arguments are its parameters.
     parameters
-        Their values in µm, MPa and min: a number, a function of the reference arc length in µm
-        (arrays of one shape in and out) or, of a growth rate, weights that change in time.
+        Their values in µm, MPa and min: numbers, functions of the reference arc length (see
+        `reference.ByPlace`) or, in a growth rate, weights that change in time.
     """
 
     function: Callable[..., Any]
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
 
-    def on(self, coefficient: Callable[[Parameter], Any]) -> Callable[[Any], Any]:
-        """Return the function with its parameters as coefficients of a wall."""
-        values = {name: coefficient(value) for name, value in self.parameters.items()}
+    def on(
+        self,
+        coefficient: Callable[[ByPlace], Any],
+        weight: Callable[[Weights], Any] | None = None,
+    ) -> Callable[[Any], Any]:
+        """Return the function with its parameters as coefficients of a wall, in UFL.
+
+        Raises
+        ------
+        TypeError
+            If a parameter is a weight in a law that allows none.
+        """
+
+        def in_ufl(value: Parameter) -> Any:
+            if not isinstance(value, Weights):
+                return coefficient(value)
+            if weight is None:
+                raise TypeError("only parameters of a growth law can be weights")
+            return weight(value)
+
+        values = {name: in_ufl(value) for name, value in self.parameters.items()}
         return lambda argument: self.function(argument, **values)
 
 

@@ -12,6 +12,7 @@ from .. import _dolfinx as dx
 from ..geometry import Discretisation, Intervals, Pole
 from ..mechanics import (
     Approximation,
+    ByPlace,
     Gaussian,
     Law,
     OwnLaw,
@@ -112,7 +113,7 @@ def _gaussians(
     return [(half, Gaussian(pole if tip else ends[pole], polarity.width)) for half, pole in halves]
 
 
-def thickness_ratio(material: AnyWall, mesh: Discretisation) -> Parameter | None:
+def thickness_ratio(material: AnyWall, mesh: Discretisation) -> ByPlace | None:
     """Return thickness over that outside the zones; None for 1 everywhere."""
     if not material.zone:
         return None
@@ -120,7 +121,7 @@ def thickness_ratio(material: AnyWall, mesh: Discretisation) -> Parameter | None
     return by_zone(mesh.wall_zones, values, 1.0)
 
 
-def modulus_ratio(material: AnyWall, mesh: Discretisation) -> Parameter | None:
+def modulus_ratio(material: AnyWall, mesh: Discretisation) -> ByPlace | None:
     """Return moduli over those outside the zones; None for 1 everywhere."""
     if not material.zone:
         return None
@@ -131,7 +132,7 @@ def modulus_ratio(material: AnyWall, mesh: Discretisation) -> Parameter | None:
 
 def by_zone(
     zones: Sequence[Intervals], values: Sequence[float], outside: float | None = None
-) -> Parameter:
+) -> ByPlace:
     """Return a function of arc length with one value per zone; a number if all are equal.
 
     `outside` is the value outside all zones; None if it is never evaluated there.
