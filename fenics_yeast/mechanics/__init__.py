@@ -8,17 +8,16 @@ from __future__ import annotations
 from . import growth_laws, hyperelasticity
 from .growth_laws import WallPoint
 from .growth_state import GrowthState
-from .growth_weights import Gaussian, Weight, Weights
+from .growth_weights import Gaussian, Weight
 from .laws import Law, OwnLaw, Parameter, own_energy, own_growth_law
 from .ordering import DofValues, Order, Ordering, PointValues
 from .quadrature import QuadraturePoints
-from .reference import ByPlace
 from .section import Approximation, WallProperties
 from .shell import Shell, ShellState
 
 __all__ = [
-    "Approximation", "ByPlace", "DofValues", "Gaussian", "GrowthState", "Law", "Order", "Ordering",
+    "Approximation", "DofValues", "Gaussian", "GrowthState", "Law", "Order", "Ordering",
     "OwnLaw", "Parameter", "PointValues", "QuadraturePoints", "Shell", "ShellState", "WallPoint",
-    "WallProperties", "Weight", "Weights", "growth_laws", "hyperelasticity", "own_energy",
+    "WallProperties", "Weight", "growth_laws", "hyperelasticity", "own_energy",
     "own_growth_law",
 ]  # fmt: skip

@@ -23,18 +23,7 @@ class Forms:
 
     The energy enters through its derivatives by the membrane and bending strains: the stress
     resultants `(N1, N2, M1, M2)` and their tangent. These are the forms of `ufl.derivative` on
-    the whole potential, in a third of the operations.
-
-    Parameters
-    ----------
-    reference, section
-        The unloaded wall and its section.
-    w, deformation
-        The trial state and its strains.
-    pressure
-        Turgor in MPa, a constant of the forms.
-    growth
-        Growth strains, or None.
+    the whole potential, in a third of the operations. Forms of growth are None in an elastic wall.
 
     Attributes
     ----------
@@ -44,13 +33,12 @@ class Forms:
     volume, volume_gradient
         Enclosed volume in µm³; derivative of the enclosed volume per 2π by the state.
     pressure_force
-        Minus the derivative of the residual by the pressure, less `volume_gradient`, where an
-        edge is free; else None: the two are the same.
+        Minus the derivative of the residual by the pressure, less `volume_gradient`, if the upper
+        edge is free; otherwise None, because the two are the same.
     consistent_tangent, stage_force
-        Derivatives of the residual by the state and by the stage's length, when growth follows
-        the strain in its stage; None for an elastic wall.
+        Derivatives of the residual by the state and by the stage's length with growth updated.
     dissipation
-        Dissipation of growth (12) in µm³ MPa/min; None for an elastic wall.
+        Dissipation of growth (12) in µm³ MPa/min.
     """
 
     def __init__(

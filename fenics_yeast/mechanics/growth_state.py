@@ -14,19 +14,16 @@ from typing import Any
 
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from .growth_laws import GrowthRate, WallPoint
 from .growth_weights import WeightField
 from .hyperelasticity import Material
-from .quadrature import QuadraturePoints
+from .quadrature import Array, QuadraturePoints
 
-Array = NDArray[np.float64]
-
-_CONVERGED = 1e-6  # change of growth strain, whose square the quadratic iteration leaves
+_CONVERGED = 1e-6  # change of growth strain; the error left by Newton's method is its square
 _MOST_ITERATIONS = 60
-_HALVING = 6  # period of halved steps
+_HALVING = 6  # every sixth step is halved
 
 
 class GrowthState:
@@ -38,10 +35,8 @@ class GrowthState:
         Quadrature points of the growing elements.
     eps
         Logarithmic strains at each through-thickness integration point, UFL vectors.
-    material, growth_rate
-        Material of the wall; growth rate.
-    weights
-        Weights in the growth rate.
+    material, growth_rate, weights
+        Material of the wall; growth rate, and the weights in it.
 
     Attributes
     ----------
@@ -49,10 +44,9 @@ class GrowthState:
         Length in min of the implicit part of the stage, `a Δt`, a constant of the forms.
     span
         Times in min of the interval that the weights are set for.
-    wall_points, rates
-        State of the wall and growth rate at each through-thickness integration point, in UFL.
-    by_strain, by_stage
-        Derivatives of the implicit update there: `dε^g/dε`, 2 by 2, and `dε^g/d(a Δt)`.
+    wall_points, rates, by_strain, by_stage
+        At each through-thickness integration point in UFL: state of the wall, growth rate, and
+        derivatives of the implicit update, `dε^g/dε` and `dε^g/d(a Δt)`.
     """
 
     def __init__(
@@ -134,11 +128,11 @@ class GrowthState:
             if not np.isfinite(change):
                 break
             if iteration % _HALVING == _HALVING - 1:
-                # At the threshold full steps can alternate between its two sides.
+                # Full steps can alternate between the two sides of the threshold.
                 following = (following + current) / 2
             self.set(following)
             current = following
-        self.set(start)  # a smaller change of strain may converge from it
+        self.set(start)  # from which a smaller change of strain may converge
         return False
 
     def update_weights(self) -> None:

@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 from .. import _dolfinx as dx
 from ..geometry import Intervals
 from .ordering import Order
-from .quadrature import QuadraturePoints
-
-Array = NDArray[np.float64]
+from .quadrature import Array, QuadraturePoints
 
 
 @dataclass(frozen=True)
@@ -25,8 +23,7 @@ class Gaussian:
     Attributes
     ----------
     centre
-        Reference arc length of the centre in µm, or the pole from which arc length is measured
-        along the current wall.
+        Reference arc length in µm, or the pole from which that of the current wall is measured.
     width
         Standard deviation in µm.
     """
@@ -51,12 +48,10 @@ class Weight:
 
     Attributes
     ----------
-    parts
-        Parts of the meridian that it covers.
-    span
-        Times in min at which growth begins and ends.
+    parts, span
+        Parts of the meridian that the zone covers; times in min at which growth begins and ends.
     gaussian
-        How it falls off; None for 1.
+        Decrease with arc length; None for 1.
     """
 
     parts: Intervals
@@ -64,59 +59,50 @@ class Weight:
     gaussian: Gaussian | None = None
 
     def grows(self, start: float, end: float) -> bool:
-        """Return whether it grows between two times or, at equal times, just after."""
+        """Return whether the zone grows between two times or, at equal times, just after."""
         begins, ends = self.span
         return begins <= (start + end) / 2 < ends
 
 
-@dataclass(frozen=True)
-class Weights:
-    """Weights of all zones of a wall."""
-
-    zones: tuple[Weight, ...]
+Weights = tuple[Weight, ...]
+"""Weights of all zones of a wall."""
 
 
 class WeightField:
     """Weights at the quadrature points of the growing elements.
 
-    A weight that follows the tip depends on the shape of the whole wall. It is updated with growth
-    in every stage and iteration, which preserves the order of time integration; the tangents omit
-    its derivative.
+    A weight that follows the tip depends on the shape of the whole wall. It is updated with the
+    growth strains in every iteration, which preserves the order of time integration; the tangents
+    omit its derivative.
 
     Parameters
     ----------
-    points
-        Quadrature points of the growing elements.
+    points, weights
+        Quadrature points of the growing elements; weights of the zones.
     stretch
-        Meridional stretch in UFL.
-    weights
-        Weights of the zones.
+        Meridional stretch `λ1` of the mid-surface in UFL.
 
     Attributes
     ----------
     function
-        Their values, a scalar in UFL.
+        The weights, a scalar in UFL.
     """
 
     def __init__(self, points: QuadraturePoints, stretch: Any, weights: Weights) -> None:
         field, self._dofs = points.function(1)
         self.function, self._values = field[0], field.x.array
-        self._S, self._zones = points.S, weights.zones
+        self._S, self._zones = points.S, weights
         self._inside = [points.inside(zone.parts) for zone in self._zones]
         moving = any(zone.gaussian and zone.gaussian.follows_tip for zone in self._zones)
         self._arc_length = _ArcLength(points, stretch) if moving else None
-        self._grows: list[bool] = []
         self.set_interval(0.0, 0.0)
 
     def set_interval(self, start: float, end: float) -> None:
         """Set the weights of an interval in min or, at equal times, of just after."""
-        grows = [zone.grows(start, end) for zone in self._zones]
-        if grows == self._grows:
-            return
-        self._grows = grows
-        for gaussian, on, inside in self._each():
-            if gaussian is None or not on:
-                self._values[self._dofs[inside]] = float(on)
+        self._growing = [zone.grows(start, end) for zone in self._zones]
+        for gaussian, grows, inside in self._each():
+            if gaussian is None or not grows:
+                self._values[self._dofs[inside]] = float(grows)
             elif not gaussian.follows_tip:
                 self._values[self._dofs[inside]] = gaussian.at(self._S[inside])
 
@@ -125,13 +111,13 @@ class WeightField:
         if self._arc_length is None:
             return
         s, length = self._arc_length.at_points()
-        for gaussian, on, inside in self._each():
-            if on and gaussian is not None and gaussian.follows_tip:
+        for gaussian, grows, inside in self._each():
+            if grows and gaussian is not None and gaussian.follows_tip:
                 self._values[self._dofs[inside]] = gaussian.at(s[inside], length)
 
     def _each(self) -> Iterator[tuple[Gaussian | None, bool, NDArray[np.bool_]]]:
         gaussians = [zone.gaussian for zone in self._zones]
-        return zip(gaussians, self._grows, self._inside, strict=True)
+        return zip(gaussians, self._growing, self._inside, strict=True)
 
 
 class _ArcLength:

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from .quadrature import QuadraturePoints
+from .quadrature import Array, QuadraturePoints
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 _DOFS, _POINTS = "dofs", "points"
@@ -80,10 +79,8 @@ class Ordering:
 
     Parameters
     ----------
-    space
-        Space of the wall's state.
-    growing
-        Quadrature points of the growing elements.
+    space, growing
+        Space of the wall's state; quadrature points of the growing elements.
     """
 
     def __init__(self, space: Any, growing: QuadraturePoints) -> None:

@@ -60,18 +60,12 @@ class QuadraturePoints:
         return replace(self, elements=self.elements[chosen])
 
     def function(self, size: int) -> tuple[Any, NDArray[np.int32]]:
-        """Return a zero quadrature function of vectors of a size, and its DOFs at the points.
-
-        The shape of the DOFs is ``(elements, points size)``.
-        """
+        """Return a zero function of vectors and its DOFs, shape ``(elements, points size)``."""
         space = dx.quadrature_space(self.mesh, size, self.degree)
         return dx.fem.Function(space), dx.dof_array(space)[self.elements]
 
     def compile(self, values: Sequence[Any]) -> Callable[[], Array]:
-        """Compile UFL scalars; return the function that evaluates them in the trial state.
-
-        The shape of its result is ``(elements, points len(values))``.
-        """
+        """Compile UFL scalars; return what evaluates them, shape ``(elements, points values)``."""
         places = dx.quadrature_points(self.degree)
         expression = dx.compile_expression(ufl.as_vector(list(values)), places)
         return lambda: dx.evaluate(expression, self.mesh, self.elements)

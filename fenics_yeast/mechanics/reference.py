@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,33 +10,20 @@ from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import CONSTRAINED, Discretisation
+from .laws import Parameter
 from .quadrature import QuadraturePoints
-
-Array = NDArray[np.float64]
 
 ELASTIC, GROWING = 0, 1
 AXIAL, ROTATION = 1, 2  # components of (u_r, u_z, β)
 
-ByPlace = float | Callable[[Array], Array]
-"""A number, or a function of the reference arc length in µm: arrays of one shape in and out."""
-
 
 class Reference:
-    """The unloaded wall of a discretisation.
-
-    Parameters
-    ----------
-    discretisation
-        Reference meridian, elements and zones.
-    comm
-        MPI communicator that shares the mesh.
-    order
-        Lagrange degree of displacement and rotation.
+    """The unloaded wall of a discretisation, for displacements of a Lagrange degree.
 
     Attributes
     ----------
     mesh
-        Interval mesh of the meridian.
+        Interval mesh of the meridian, shared by a communicator.
     points, growing_points
         Quadrature points of the local elements, and of those that grow.
     """
@@ -74,8 +60,10 @@ class Reference:
         """Return a constant of the forms."""
         return dx.fem.Constant(self.mesh, np.float64(value))
 
-    def coefficient(self, value: ByPlace) -> Any:
+    def coefficient(self, value: Parameter) -> Any:
         """Return a number as a constant, a function of arc length as a quadrature function."""
+        if isinstance(value, tuple):
+            raise TypeError("only parameters of a growth law can be weights")
         if not callable(value):
             return self.constant(value)
         function, dofs = self.points.function(1)

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .hyperelasticity import Material, scaled
-from .laws import Law
-from .reference import ByPlace, Reference
-
-Array = NDArray[np.float64]
+from .laws import Law, Parameter
+from .quadrature import Array
+from .reference import Reference
 
 # Keeps the pivots of the shear force off zero; beyond it V/V0 agrees with γ = 0 to 10 digits.
 _LARGEST_PENALTY = 1e8
@@ -26,10 +24,8 @@ class WallProperties:
     ----------
     thickness, shear_modulus
         `h` in µm and μ in MPa, outside the zones of the wall.
-    energy
-        Strain energy ψ of the elastic logarithmic strains.
-    growth_law
-        Growth rate in the growing zones; None for an elastic wall.
+    energy, growth_law
+        Strain energy ψ; growth rate in the growing zones, None for an elastic wall.
     thickness_ratio, modulus_ratio
         Factors of thickness and moduli in the zones of the wall; None for 1.
     energy_per_grown_volume
@@ -44,8 +40,8 @@ class WallProperties:
     shear_modulus: float
     energy: Law
     growth_law: Law | None = None
-    thickness_ratio: ByPlace | None = None
-    modulus_ratio: ByPlace | None = None
+    thickness_ratio: Parameter | None = None
+    modulus_ratio: Parameter | None = None
     energy_per_grown_volume: bool = False
     thinning: Law | None = None
     bending: bool = True
@@ -57,10 +53,8 @@ class Approximation:
 
     Attributes
     ----------
-    order
-        Lagrange degree of displacement and rotation.
-    thickness_points
-        Number of Gauss points through the thickness.
+    order, thickness_points
+        Lagrange degree of displacement and rotation; number of Gauss points through the thickness.
     shear_penalty
         κ; an infinite κ enforces `γ = 0`.
     """
@@ -76,15 +70,11 @@ class Section:
 
     Attributes
     ----------
-    material
-        Material of the wall.
     xi
         Distances ξ of the integration points from the mid-surface in µm, outward positive,
         outside the zones of the wall, shape ``(points,)``.
-    distances, weights
-        ξ of each integration point, and its weight times `h/2`, in UFL.
-    compliance
-        `1/(κ μ h)` in UFL.
+    distances, weights, compliance
+        In UFL: ξ of each integration point, its weight times `h/2`, and `1/(κ μ h)`.
     """
 
     material: Material

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import Discretisation
@@ -14,13 +13,12 @@ from . import kinematics
 from .deformation import Deformation
 from .forms import Forms
 from .growth_state import GrowthState
-from .growth_weights import WeightField, Weights
-from .laws import Law
+from .growth_weights import WeightField
+from .laws import Law, Parameter
 from .loads import NodalForce
+from .quadrature import Array
 from .reference import Reference
 from .section import Approximation, Section, WallProperties
-
-Array = NDArray[np.float64]
 
 _NO_VOLUME = 1e-9  # in parts of a hemisphere's
 
@@ -48,15 +46,13 @@ class Shell:
 
         Π = ∫ [∫ ψ(ε(ξ) - ε^g(ξ)) dξ + Q γ - Q²/(2 κ μ h)] R dS - p ∫ ½ r² z' dS
 
-    with the shear force `Q` as an unknown beside displacement and director rotation: eliminated,
-    it gives the penalty `½ κ μ h γ²`, but Newton's method does not suffer from a large κ.
+    The shear force `Q` is an unknown beside displacement and director rotation. Its elimination
+    gives the penalty `½ κ μ h γ²`, but as an unknown it keeps Newton's method insensitive to κ.
 
     Parameters
     ----------
-    discretisation
-        Reference meridian, elements and zones.
-    wall, approximation
-        What the wall is made of, and how it is approximated.
+    discretisation, wall, approximation
+        Reference meridian and elements; what the wall is made of; how it is approximated.
     comm
         MPI communicator that shares the mesh.
 
@@ -66,26 +62,20 @@ class Shell:
         Interval mesh, its communicator, quadrature points of all local and of the growing elements.
     space, w
         Space of the state; the trial state `(u_r, u_z, β, Q)`, `(u_r, u_z)` of a membrane.
-    pressure
-        Turgor in MPa, a constant of the forms.
-    force
-        Axial force at a node, or None.
+    pressure, force
+        Turgor in MPa, a constant of the forms; axial force at a node, or None.
     bending, membrane_stiffness
         Whether the wall resists bending; the size of `E h` in µN/µm.
     reference_volume
         Volume in µm³ that ratios refer to: that of the unloaded cell or, if that is zero, of
         a hemisphere on the edge.
-    growth
-        Growth strains of the growing elements, or None.
-    material
-        Material of the wall.
+    growth, material
+        Growth strains of the growing elements, or None; material of the wall.
     eps, xi
         Logarithmic strains `(ε1, ε2)` at each through-thickness integration point, in UFL, and
         the points' distance from the mid-surface in µm, outward positive.
-    forms
-        Compiled residual, tangents and functionals.
-    conditions, constrained
-        Conditions at the ends, all homogeneous, and their local DOFs.
+    forms, conditions, constrained
+        Compiled forms; the homogeneous conditions at the ends, and their local DOFs.
     """
 
     def __init__(
@@ -121,15 +111,17 @@ class Shell:
         self.reference_volume = self._reference_volume()
 
     def _growth_state(self, law: Law, deformation: Deformation) -> GrowthState:
-        points, fields = self.growing_points, list[WeightField]()
+        fields: list[WeightField] = []
 
-        def weight(weights: Weights) -> Any:
+        def coefficient(value: Parameter) -> Any:
+            if not isinstance(value, tuple):
+                return self._reference.coefficient(value)
             stretch = kinematics.stretch(deformation.strain[0])
-            fields.append(WeightField(points, stretch, weights))
+            fields.append(WeightField(self.growing_points, stretch, value))
             return fields[-1].function
 
-        rate = law.on(self._reference.coefficient, weight)
-        return GrowthState(points, deformation.eps, self.material, rate, fields)
+        rate = law.on(coefficient)
+        return GrowthState(self.growing_points, deformation.eps, self.material, rate, fields)
 
     def _reference_volume(self) -> float:
         volume, curve = self.volume(), self.discretisation.curve

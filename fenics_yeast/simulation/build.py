@@ -12,7 +12,6 @@ from .. import _dolfinx as dx
 from ..geometry import Discretisation, Intervals, Pole
 from ..mechanics import (
     Approximation,
-    ByPlace,
     Gaussian,
     Law,
     OwnLaw,
@@ -20,7 +19,6 @@ from ..mechanics import (
     Shell,
     WallProperties,
     Weight,
-    Weights,
     growth_laws,
     hyperelasticity,
     own_energy,
@@ -84,10 +82,10 @@ def zone_law(scene: Scene, mesh: Discretisation, own: Law | None = None) -> Law 
             raise ValueError(
                 'a growth law of your own has no threshold; polarity.weight must be "rate"'
             )
-        law = Law(law.function, {**law.parameters, "of_stress": Weights(tuple(stresses))})
+        law = Law(law.function, {**law.parameters, "of_stress": tuple(stresses)})
     if any(weight != Weight(weight.parts) for weight in rates):
-        weights = Weights(tuple(rates))
-        law = Law(growth_laws.weighted(law.function), {**law.parameters, "of_rate": weights})
+        rate = growth_laws.weighted(law.function)
+        law = Law(rate, {**law.parameters, "of_rate": tuple(rates)})
     return law
 
 
@@ -113,7 +111,7 @@ def _gaussians(
     return [(half, Gaussian(pole if tip else ends[pole], polarity.width)) for half, pole in halves]
 
 
-def thickness_ratio(material: AnyWall, mesh: Discretisation) -> ByPlace | None:
+def thickness_ratio(material: AnyWall, mesh: Discretisation) -> Parameter | None:
     """Return thickness over that outside the zones; None for 1 everywhere."""
     if not material.zone:
         return None
@@ -121,7 +119,7 @@ def thickness_ratio(material: AnyWall, mesh: Discretisation) -> ByPlace | None:
     return by_zone(mesh.wall_zones, values, 1.0)
 
 
-def modulus_ratio(material: AnyWall, mesh: Discretisation) -> ByPlace | None:
+def modulus_ratio(material: AnyWall, mesh: Discretisation) -> Parameter | None:
     """Return moduli over those outside the zones; None for 1 everywhere."""
     if not material.zone:
         return None
@@ -132,7 +130,7 @@ def modulus_ratio(material: AnyWall, mesh: Discretisation) -> ByPlace | None:
 
 def by_zone(
     zones: Sequence[Intervals], values: Sequence[float], outside: float | None = None
-) -> ByPlace:
+) -> Parameter:
     """Return a function of arc length with one value per zone; a number if all are equal.
 
     `outside` is the value outside all zones; None if it is never evaluated there.

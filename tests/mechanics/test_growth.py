@@ -75,9 +75,8 @@ def point(one_element):
     def rate(at):
         return growth.stress_driven(at, SIGMA_TRS, T_GRW)
 
-    state = GrowthState(
-        QuadraturePoints(one_element, ELEMENT, 1), [strain], wall.Material(energy), rate
-    )
+    points = QuadraturePoints(one_element, ELEMENT, degree=1)
+    state = GrowthState(points, [strain], wall.Material(energy), rate)
     return strain, state
 
 
