@@ -1,16 +1,14 @@
-"""A dead force along the axis at a node of the meridian."""
+"""A dead axial force at a node of the meridian."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import NEAR
-
-Array = NDArray[np.float64]
+from .quadrature import Array
 
 
 class NodalForce:
@@ -18,19 +16,15 @@ class NodalForce:
 
     Parameters
     ----------
-    w
-        Trial state of the wall, a function of its space.
-    comm
-        MPI communicator that shares the wall.
-    S
-        Arc length of the node in µm.
-    scale
-        Displacement in µm that counts as small.
+    w, comm
+        Trial state of the wall and the MPI communicator that shares it.
+    S, scale
+        Arc length of the node and a small displacement, in µm.
 
     Attributes
     ----------
     value
-        The force in µN, positive towards the top.
+        The force `F` in µN, positive towards the top.
     """
 
     def __init__(self, w: Any, comm: Any, S: float, scale: float) -> None:

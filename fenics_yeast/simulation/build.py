@@ -17,7 +17,6 @@ from ..mechanics import (
     Shell,
     WallProperties,
     Weight,
-    Weights,
     growth_laws,
     hyperelasticity,
     own_energy,
@@ -81,10 +80,10 @@ def zone_law(scene: Scene, mesh: Discretisation, own: Law | None = None) -> Law 
             raise ValueError(
                 'a growth law of your own has no threshold; polarity.weight must be "rate"'
             )
-        law = Law(law.function, {**law.parameters, "of_stress": Weights(tuple(stresses))})
+        law = Law(law.function, {**law.parameters, "of_stress": tuple(stresses)})
     if any(weight != Weight(weight.parts) for weight in rates):
-        weights = Weights(tuple(rates))
-        law = Law(growth_laws.weighted(law.function), {**law.parameters, "of_rate": weights})
+        rate = growth_laws.weighted(law.function)
+        law = Law(rate, {**law.parameters, "of_rate": tuple(rates)})
     return law
 
 

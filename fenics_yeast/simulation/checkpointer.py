@@ -18,7 +18,7 @@ class Checkpointer:
     """Passes checkpoints to a function on rank 0 every few seconds; its methods are collective."""
 
     def __init__(self, shell: Shell, scene: Scene, keep: Callable[[Checkpoint], None]) -> None:
-        self._comm, self._ordering = shell.comm, Ordering(shell)
+        self._comm, self._ordering = shell.comm, Ordering(shell.space, shell.growing_points)
         self._scene, self._keep = scene.to_toml(), keep
         self._kept: Checkpoint | None = None
         self._next = perf_counter() + _EVERY
@@ -52,6 +52,6 @@ def local(checkpoint: Checkpoint, shell: Shell) -> Checkpoint:
         If it belongs to another wall.
     """
     try:
-        return Ordering(shell).local(checkpoint)
+        return Ordering(shell.space, shell.growing_points).local(checkpoint)
     except ValueError:
         raise CheckpointError("belongs to another mesh, made by another version") from None

@@ -34,15 +34,16 @@ def set_initial_state(shell: Shell, profile: Profile | None) -> None:
         shell.w.x.array[dofs[:, i]] = motion[places]
     shell.w.x.scatter_forward()
 
-    points = shell.quadrature_S
+    points = shell.points.S
     places = _places(points.ravel(), profile.S_points, near, "quadrature points")
     grown = profile.growth_strain[places].reshape(*points.shape, -1)
     if grown.shape[-1] != 2 * len(shell.eps):
         raise ValueError(f"numerics.thickness_points must be {len(profile.xi)}, as in the profile")
     rest = np.ones(len(points), dtype=bool)
     if shell.growth is not None:
-        rest[shell.growing_elements] = False
-        shell.growth.set(grown[shell.growing_elements].reshape(shell.growth.get().shape))
+        growing = shell.growing_points.elements
+        rest[growing] = False
+        shell.growth.set(grown[growing].reshape(shell.growth.get().shape))
     if grown[rest].any():
         raise ValueError("the profile has growth outside the scene's growing zones")
 

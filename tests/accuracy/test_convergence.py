@@ -20,7 +20,7 @@ def deformed(scene, order: int, elements: int, geometry: str = "curved"):
     }
     shell = build_shell(scene.with_values(values))
     shell.pressure.value = 0.20265
-    grown = 0.05 * (1 - np.cos(shell.quadrature_S[shell.growing_elements] / 2.5))
+    grown = 0.05 * (1 - np.cos(shell.growing_points.S / 2.5))
     grown = np.repeat(grown, 2 * len(shell.xi), axis=1)
     with Equilibrium(shell, TOLERANCE) as equilibrium:
         for part in (0.0, 0.25, 0.5, 0.75, 1.0):

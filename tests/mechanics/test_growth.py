@@ -6,12 +6,12 @@ import ufl
 
 from fenics_yeast import _dolfinx as dx
 from fenics_yeast import simulate
+from fenics_yeast.mechanics import GrowthState, QuadraturePoints
 from fenics_yeast.mechanics import growth_laws as growth
 from fenics_yeast.mechanics import hyperelasticity as wall
-from fenics_yeast.mechanics.growth_state import GrowthState
 from fenics_yeast.simulation import build_shell
 
-CELL = np.array([0], dtype=np.int32)
+ELEMENT = np.array([0], dtype=np.int32)
 SIGMA_TRS, T_GRW = 1.0, 45.0
 
 
@@ -26,7 +26,7 @@ def law(one_element):
 
     def evaluate(tau_value, eps_value=(0, 0), eps_g_value=(0, 0)):
         tau.value[:], eps.value[:], eps_g.value[:] = tau_value, eps_value, eps_g_value
-        *rates, dissipation = dx.evaluate(expression, one_element, CELL)[0]
+        *rates, dissipation = dx.evaluate(expression, one_element, ELEMENT)[0]
         return np.array(rates), dissipation
 
     return evaluate
@@ -75,7 +75,8 @@ def point(one_element):
     def rate(at):
         return growth.stress_driven(at, SIGMA_TRS, T_GRW)
 
-    state = GrowthState(one_element, CELL, 1, [strain], wall.Material(energy), rate)
+    points = QuadraturePoints(one_element, ELEMENT, degree=1)
+    state = GrowthState(points, [strain], wall.Material(energy), rate)
     return strain, state
 
 
@@ -111,7 +112,7 @@ def test_elastic_wall_holds_no_growth(elastic_scene):
     shell = build_shell(elastic_scene)
     assert shell.growth is None
     assert shell.dissipation_rate() == 0
-    assert len(shell.growing_elements) == 0
+    assert len(shell.growing_points.elements) == 0
 
 
 def test_only_the_zone_grows(bud_run, fine_scene):

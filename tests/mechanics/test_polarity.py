@@ -33,7 +33,7 @@ def first_rates(scene: Scene):
     with Equilibrium(shell, 1e-10) as equilibrium:
         equilibrium.solve()
     stretch = (shell.volume() / unloaded) ** (1 / 3)
-    S = shell.quadrature_S[shell.growing_elements]
+    S = shell.growing_points.S
     rates = shell.growth.rate().reshape(*S.shape, -1, 2)
     return S[..., None], rates[..., 0], stretch
 

@@ -159,7 +159,7 @@ def test_a_membrane_sphere_has_the_closed_form_to_the_last_digits(elastic_scene:
     wall = result.profiles.all[-1]
     assert wall.strain.shape[1] == 1 and wall.xi == [0]
     np.testing.assert_allclose(wall.psi, wall.S / R, atol=0.02)
-    assert build_shell(scene).degree == 5
+    assert build_shell(scene).points.degree == 5
 
 
 # Pole stretch, p R/(μ h), w/R of a flat neo-Hookean disc with its rim held: membrane theory's

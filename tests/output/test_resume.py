@@ -114,7 +114,7 @@ def test_dofs_are_ordered_by_component_and_place(cell_scene: Scene) -> None:
         assert len({*zip(components, S.round(12), strict=True)}) == len(shell.w.x.array)
         assert set(components) == ({0, 1, 2, 3} if shell.bending else {0, 1})
         shell.w.x.array[:] = 10.0 * components + S
-        layout = Ordering(shell)
+        layout = Ordering(shell.space, shell.growing_points)
         eps_g = shell.growth.get()
         state = StepperState(0.0, shell.w.x.array.copy(), eps_g, None, None, (), ())
         ordered = layout.ordered(state)
