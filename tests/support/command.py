@@ -35,7 +35,7 @@ def call(*arguments: str) -> Result:
 
 
 def hear() -> None:
-    """Make a new process receive signals ignored in the background or under nohup (`preexec_fn`)."""
+    """Let a new process receive signals that are ignored in the background (`preexec_fn`)."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_DFL)
 
