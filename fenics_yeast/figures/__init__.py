@@ -11,14 +11,6 @@ from .shapes import shapes
 from .style import COLOURS, figure_of
 
 __all__ = [
-    "COLOURS",
-    "AnimationError",
-    "Curve",
-    "animate",
-    "draw",
-    "figure_of",
-    "pressures",
-    "shapes",
-    "volumes",
-    "write_surfaces",
-]
+    "COLOURS", "AnimationError", "Curve", "animate", "draw", "figure_of", "pressures", "shapes",
+    "volumes", "write_surfaces",
+]  # fmt: skip

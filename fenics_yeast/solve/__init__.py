@@ -3,8 +3,6 @@
 Knows no scene: it works on a shell, loads as numbers or functions, and tolerances.
 """
 
-from __future__ import annotations
-
 from .equilibrium import ChordState, Equilibrium, EquilibriumError
 from .limit_points import approach_limit_point, find_limit_pressure
 from .path_following import PathCoordinates, PathError, PathTarget, follow_path
@@ -15,24 +13,8 @@ from .step_control import ControllerState, StepController, same_time
 from .time_stepper import StepperState, StepResult, TimeStepper
 
 __all__ = [
-    "TABLEAUX",
-    "ButcherTableau",
-    "ChordState",
-    "ControllerState",
-    "Equilibrium",
-    "EquilibriumError",
-    "PathCoordinates",
-    "PathError",
-    "PathTarget",
-    "Resumable",
-    "Stability",
-    "StabilityState",
-    "StepController",
-    "StepResult",
-    "StepperState",
-    "TimeStepper",
-    "approach_limit_point",
-    "find_limit_pressure",
-    "follow_path",
-    "same_time",
-]
+    "TABLEAUX", "ButcherTableau", "ChordState", "ControllerState", "Equilibrium",
+    "EquilibriumError", "PathCoordinates", "PathError", "PathTarget", "Resumable", "Stability",
+    "StabilityState", "StepController", "StepResult", "StepperState", "TimeStepper",
+    "approach_limit_point", "find_limit_pressure", "follow_path", "same_time",
+]  # fmt: skip

@@ -3,8 +3,6 @@
 This is the only file of the room that knows a meridian.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

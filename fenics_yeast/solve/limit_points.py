@@ -4,8 +4,6 @@ Both searches prescribe the volume, which still increases at a limit point, and 
 reaches its maximum there: time or pressure.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from math import copysign

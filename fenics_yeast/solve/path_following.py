@@ -5,8 +5,6 @@ length between points is prescribed. The arc-length method takes the path over l
 load: Riks (1979) and Keller (1977), cited in `continuation`.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass

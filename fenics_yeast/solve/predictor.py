@@ -1,7 +1,5 @@
 """Predict the next solution of a series by polynomial extrapolation from the last ones."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

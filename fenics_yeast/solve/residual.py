@@ -1,7 +1,5 @@
 """The discrete equations of a shell in PETSc: residual, tangent and their linear solver."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

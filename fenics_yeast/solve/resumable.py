@@ -1,7 +1,5 @@
 """The protocol of everything whose state a checkpoint keeps."""
 
-from __future__ import annotations
-
 from typing import Protocol, TypeVar
 
 State = TypeVar("State")

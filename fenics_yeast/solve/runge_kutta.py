@@ -10,8 +10,6 @@ R. Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J
 (1977) 1006-1021. E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, Springer 1996.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -11,8 +11,6 @@ techniques for stepsize selection in explicit Runge-Kutta methods, ACM Trans. Ma
 its size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import ceil, isclose

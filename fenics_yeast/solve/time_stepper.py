@@ -6,8 +6,6 @@ Which of the two is the caller's decision, by `StepController.accepts` and `Stab
 without an equilibrium is rejected here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
