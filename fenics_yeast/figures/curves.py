@@ -78,29 +78,24 @@ def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str
     """Draw the pressure along several equilibrium paths against V/V0; see `volumes`."""
     with _path_axes(path) as axes:
         for curve, colour in zip(curves, _colours(len(curves)), strict=True):
-            _draw_pressure(axes, curve.history, colour, curve.label)
+            V, p = curve.history.volume_ratio, curve.history.pressure_MPa
+            _draw_path(axes, V, p, curve.history.stable, colour, curve.label)
         axes.set_title(title)
         _explain(axes, curves, heading, "lower right")
 
 
-def pressure(history: History, scene: Scene, path: Path) -> None:
-    """Draw the pressure along an equilibrium path against V/V0, dashed where unstable."""
-    with _path_axes(path) as axes:
-        _draw_pressure(axes, history, COLOURS[0], "stable", "unstable at given pressure")
+def equilibrium_path(history: History, scene: Scene, path: Path) -> None:
+    """Draw the load along an equilibrium path against its conjugate, dashed where unstable."""
+    force = scene.path is not None and scene.path.until.of_load
+    labels = ("displacement (µm)", "force (µN)") if force else ()
+    x, y = history.volume_ratio, history.pressure_MPa
+    if force:
+        x, y = history.displacement_um, history.force_uN
+    unstable = f"unstable at given {'force' if force else 'pressure'}"
+    with _path_axes(path, *labels) as axes:
+        _draw_path(axes, x, y, history.stable, COLOURS[0], "stable", unstable)
         if not history.stable.all():
-            axes.legend(loc="lower right")
-        axes.set_title(scene.title)
-
-
-def force(history: History, scene: Scene, path: Path) -> None:
-    """Draw the force along an equilibrium path against displacement, dashed where unstable."""
-    with _path_axes(path, "displacement (µm)", "force (µN)") as axes:
-        _draw_path(
-            axes, history.displacement_um, history.force_uN, history.stable, COLOURS[0],
-            "stable", "unstable at given force",
-        )  # fmt: skip
-        if not history.stable.all():
-            axes.legend(loc="best")
+            axes.legend(loc="best" if force else "lower right")
         axes.set_title(scene.title)
 
 
@@ -129,14 +124,6 @@ def _path_axes(path: Path, of: str = "volume V/V₀", load: str = "pressure (MPa
         axes.set_axisbelow(True)
 
 
-def _draw_pressure(
-    axes: Axes, history: History, colour: Any, label: str, unstable: str = "_nolegend_"
-) -> None:
-    """Draw pressure against volume."""
-    V, p = history.volume_ratio, history.pressure_MPa
-    _draw_path(axes, V, p, history.stable, colour, label, unstable)
-
-
 def _draw_path(
     axes: Axes,
     x: Array,
@@ -144,7 +131,7 @@ def _draw_path(
     stable: NDArray[np.bool_],
     colour: Any,
     label: str,
-    unstable: str,
+    unstable: str = "_nolegend_",
 ) -> None:
     """Draw a path in pieces, dashed where unstable."""
     stable = stable.astype(bool)

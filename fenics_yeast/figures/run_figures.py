@@ -6,7 +6,7 @@ from pathlib import Path
 from ..output import MERIDIAN, SHAPES, VOLUME
 from ..scene import Scene
 from ..simulation import ErrorBars, History, Profiles, Status
-from .curves import force, pressure, volume
+from .curves import equilibrium_path, volume
 from .meridian import meridian
 from .shapes import shapes
 
@@ -46,7 +46,7 @@ def draw(
         if name == VOLUME and len(history) > 1 and scene.run is not None:
             volume(history, scene, path, status, error_bars)
         elif name == VOLUME and len(history) > 1 and scene.path is not None:
-            (force if scene.path.until.of_load else pressure)(history, scene, path)
+            equilibrium_path(history, scene, path)
         elif name == SHAPES and len(profiles):
             shapes(profiles, history, scene, path)
         elif name == MERIDIAN and len(profiles):

@@ -3,8 +3,6 @@
 Knows neither scenes nor solvers. A law is one UFL function; its derivatives come from UFL.
 """
 
-from __future__ import annotations
-
 from . import growth_laws, hyperelasticity
 from .growth_laws import WallPoint
 from .growth_state import GrowthState

@@ -1,7 +1,5 @@
 """Residual and tangents of the wall, derived from its potential by UFL."""
 
-from __future__ import annotations
-
 from functools import reduce
 from operator import add
 from typing import Any

@@ -7,8 +7,6 @@ An implicit stage of a time step solves at every point
 for `ε^g`. The update, its consistent derivative and the rate are compiled from one law in UFL.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

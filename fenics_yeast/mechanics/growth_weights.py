@@ -1,7 +1,5 @@
 """Weights of growth, a field `w(S, t)` at the growing points: when and where a zone grows."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf

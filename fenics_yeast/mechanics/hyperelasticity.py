@@ -5,8 +5,6 @@ A strain energy is a function of the principal elastic logarithmic strains, a UF
 give stresses and tangents.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Material laws with parameters, which become coefficients of the compiled forms."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import wraps

@@ -1,7 +1,5 @@
 """A dead axial force at a node of the meridian."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 DOFs are ordered by component and arc length, values at growing points by arc length.
 """
 
-from __future__ import annotations
-
 from dataclasses import is_dataclass, replace
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 

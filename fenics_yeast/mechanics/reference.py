@@ -1,7 +1,5 @@
 """The unloaded wall on its mesh: meridian, quadrature points, coefficients and supports."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

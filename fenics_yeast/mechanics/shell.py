@@ -1,7 +1,5 @@
 """One discretised wall: its unknowns, growth strains, loads and forms."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
