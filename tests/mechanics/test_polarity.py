@@ -97,6 +97,7 @@ def test_growth_at_either_pole_is_the_same_upside_down(whole, follow):
     assert np.abs(np.diff(top.r[[5, -6]])) > 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("integrator", "order"), [("backward-euler", 1), ("sdirk2", 2), ("sdirk3", 3)]
 )
@@ -175,6 +176,7 @@ def test_a_law_of_ones_own_is_weighted_too(whole):
         simulate(by_threshold, growth_law=own)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["sdirk3", "forward-euler"])
 def test_a_run_that_is_taken_up_is_the_same_run(whole, integrator):
     """To the last digit, from a step in the middle and from the end of growth."""
