@@ -8,6 +8,8 @@ from fenics_yeast import _dolfinx as dx
 from fenics_yeast.simulation import build_shell
 from fenics_yeast.solve.equilibrium import Equilibrium
 
+pytestmark = pytest.mark.slow
+
 TOLERANCE = 1e-11  # µN
 
 

@@ -10,6 +10,8 @@ from fenics_yeast.solve.equilibrium import Equilibrium
 from fenics_yeast.solve.runge_kutta import TABLEAUX
 from fenics_yeast.solve.time_stepper import TimeStepper
 
+pytestmark = pytest.mark.slow
+
 BUDS = {
     "bud": {"run.save": (40.0, 70.0, 80.0, 90.0)},
     "low threshold": {

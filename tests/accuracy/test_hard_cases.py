@@ -8,6 +8,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2] / "demos"))
 import hard_cases as table
 
+pytestmark = pytest.mark.slow
+
 CASES = table.hard_cases()
 
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 PUBLISHED = Path(__file__).parents[2] / "demos" / "published"
 SHARED = {"benchmark", "solid"}
 NAMES = sorted({path.stem for path in PUBLISHED.glob("*.py")} - SHARED)

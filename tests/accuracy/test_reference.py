@@ -4,6 +4,8 @@ import pytest
 
 from fenics_yeast import simulate
 
+pytestmark = pytest.mark.slow
+
 TOLERANCE = 2e-4  # of V/V0; the codes agree to 2e-5, at 90 min to 5e-5
 
 

@@ -7,6 +7,8 @@ import pytest
 
 from fenics_yeast import Scene, simulate
 
+pytestmark = pytest.mark.slow
+
 PENALTIES = (10.0, 1e3, 1e6, inf)
 
 

@@ -92,6 +92,7 @@ def test_only_a_run_in_time_is_animated(tmp_path: Path, elastic_scene: Scene) ->
     assert result.exit_code == 2 and "directory of a case" in result.stderr
 
 
+@pytest.mark.slow
 def test_mp4_is_written_where_ffmpeg_is_and_its_failure_is_reported(
     folder: Path, growing: Scene, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -97,6 +97,7 @@ def test_growth_at_either_pole_is_the_same_upside_down(whole, follow):
     assert np.abs(np.diff(top.r[[5, -6]])) > 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("integrator", "order"), [("backward-euler", 1), ("sdirk2", 2), ("sdirk3", 3)]
 )
@@ -175,6 +176,7 @@ def test_a_users_growth_law_is_weighted_in_space_and_time(whole):
         simulate(by_threshold, growth_law=own)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["sdirk3", "forward-euler"])
 def test_a_resumed_run_equals_an_uninterrupted_one(whole, integrator):
     """To the last digit, from a step in the middle and from the end of growth."""

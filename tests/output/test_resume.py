@@ -82,6 +82,7 @@ CHANGES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CHANGES)
 def test_every_step_can_be_taken_up(
     cell_scene: Scene, case: str, monkeypatch: pytest.MonkeyPatch
@@ -198,6 +199,7 @@ def moments() -> Iterator[float]:
     return iter(lambda: source.uniform(1, 16), None)
 
 
+@pytest.mark.slow
 @pytest.mark.process
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.ranks)])
 def test_killed_ten_times_a_run_is_that_of_no_kill(
@@ -222,6 +224,7 @@ def test_killed_ten_times_a_run_is_that_of_no_kill(
     assert not list((here / "killed").glob("*.part"))
 
 
+@pytest.mark.slow
 @pytest.mark.process
 @pytest.mark.ranks
 def test_a_checkpoint_is_that_of_any_number_of_ranks(here: Path) -> None:
@@ -291,6 +294,7 @@ def test_a_path_starts_from_the_beginning(here: Path) -> None:
         assert result.exit_code == 0 and word in result.stdout
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
     earlier = read_result(finished)
     result = run("--resume", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
@@ -377,6 +381,7 @@ def test_a_new_run_forgets_the_checkpoint_of_the_old_one(
     assert not (finished / "checkpoint.npz").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on(here: Path) -> None:
     whole = simulate(Scene.load("small.toml"))
     folder = here / "out" / "small"

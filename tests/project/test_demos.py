@@ -156,6 +156,7 @@ def runs(
         yield {name: pool.submit(run, name) for name in NUMBERS if f"test_demo[{name}]" in asked}
 
 
+@pytest.mark.slow
 @pytest.mark.process
 @pytest.mark.parametrize("name", NUMBERS)
 def test_demo(

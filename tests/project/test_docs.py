@@ -52,6 +52,7 @@ def test_python_block(number: int, checkout: Path) -> None:
     run([sys.executable, "-c", blocks("python")[number]], checkout)
 
 
+@pytest.mark.slow
 @pytest.mark.process
 def test_commands_in_their_order(checkout: Path) -> None:
     """A command finds what those before it left."""

@@ -89,6 +89,7 @@ for _ in range(2):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.process
 def test_forms_of_a_growing_wall_are_compiled_once(tmp_path: Path) -> None:
     """In the same process and in the next one."""
@@ -132,6 +133,7 @@ def test_the_cache_of_another_user_is_not_loaded(
     assert "it belongs to another user" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.process
 def test_without_a_compiler_the_command_says_what_to_install(tmp_path: Path) -> None:
     (tmp_path / "static.toml").write_text(BALLOON)

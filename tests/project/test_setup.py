@@ -73,6 +73,7 @@ def test_without_a_mirror(machine: Path) -> None:
     assert "could not be installed" in line and f"apt-get install {PACKAGES}" in line
 
 
+@pytest.mark.slow
 @pytest.mark.process
 @pytest.mark.skipif(not DEBIAN_DOLFINX, reason="dolfinx is not that of Debian")
 def test_a_network_without_pypi_is_told_and_no_harm(tmp_path: Path) -> None:

@@ -81,6 +81,7 @@ def runs(scenes: dict[str, Scene], mpirun: Callable[[str, int], Path]) -> Callab
     return run
 
 
+@pytest.mark.slow
 def test_one_two_and_three_ranks_give_the_same_results(runs: Callable[[int], Results]) -> None:
     """History, profiles, stability, error bars, and how a run ends."""
     one = runs(1)

@@ -103,6 +103,7 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
+@pytest.mark.slow
 def test_pieces_on_two_ranks_have_the_volumes_of_one_rank(bud, mpirun):
     scene = bud.with_values({"run": {"end": 22.0}, "numerics.step": 1.0})
     text = SCRIPT.format(scene=scene.to_toml())

@@ -62,6 +62,7 @@ def test_error_against_the_ode_falls_with_the_square_of_the_thickness(sphere_err
 # --- integrators --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", get_args(Integrator))
 def test_integrator_has_its_order(sphere_scene, name):
     """Fitted to the differences of V/V0 at 2 min between steps and half of them."""

@@ -16,6 +16,8 @@ from fenics_yeast.simulation import Timings
 from fenics_yeast.studies import error_bars as module
 from fenics_yeast.studies.error_bars import estimate_error_bars, refinements
 
+pytestmark = pytest.mark.slow
+
 PARTS = ("time_steps", "mesh", "thickness_points", "shear_penalty")
 
 # Case of the table, and what is changed in the cell of the tables; all with 3 thickness points.

@@ -99,10 +99,10 @@ def test_cases_are_the_product_of_the_lists(bud: Scene) -> None:
         ("growth.time=", "write TABLE.KEY"),
         ("=3", "write TABLE.KEY"),
         ("growth.time=30,,45", "write TABLE.KEY"),
-        ("growth.time=30:45", "a range is A:B:N"),
-        ("growth.time=30:45:1", "a range is A:B:N"),
-        ("growth.time=30:45:1e9", "a range is A:B:N"),
-        ("growth.time=a:b:3", "a range is A:B:N"),
+        ("growth.time=30:45", "write a range as A:B:N"),
+        ("growth.time=30:45:1", "write a range as A:B:N"),
+        ("growth.time=30:45:1e9", "write a range as A:B:N"),
+        ("growth.time=a:b:3", "write a range as A:B:N"),
         ("growth.time=30 min:1 h:3", "in one unit"),
         ("growth.tim=30", "did you mean growth.time?"),
         ("growth.time=45,-3", "growth.time = -3: expected a time > 0"),
@@ -120,6 +120,7 @@ def test_what_cannot_be_planned_is_told_in_a_line(bud: Scene, text: str, words: 
 # Running --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.process
 def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) -> None:
     vary = ("--vary", "growth.time=30,45", "--vary", "growth.threshold=0.9 MPa:1.1 MPa:2")
@@ -153,6 +154,7 @@ def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) 
     assert f"{case}/figures/shapes.png" in plot.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.process
 def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
     assert sweep("--vary", "growth.time=30,45", "--jobs", "1").returncode == 0
@@ -227,6 +229,7 @@ def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
 LONG = ("--set", "numerics.step=0.005")  # some seconds each
 
 
+@pytest.mark.slow
 @pytest.mark.process
 @pytest.mark.parametrize("to_all", [True, False])
 def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_all: bool) -> None:
@@ -310,6 +313,7 @@ def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.process
 def test_many_cases_in_one_process_take_the_memory_of_a_few(bud: Scene) -> None:
     """A run that leaves its solver behind costs 30 kB each time."""
