@@ -8,7 +8,7 @@ from __future__ import annotations
 from .errors import DolfinxMissing, OutputError, RunLost
 from .files import FIGURES, MERIDIAN, SERIES, SHAPES, SURFACES, VOLUME, replace_file, writing
 from .interrupts import SIGNALS, interrupt
-from .job import Job, Screen, run_into
+from .job import Job, Screen
 from .reading import read_history, read_profiles, read_result, read_scene
 from .summary import Summary, read_summary
 
@@ -33,6 +33,5 @@ __all__ = [
     "read_scene",
     "read_summary",
     "replace_file",
-    "run_into",
     "writing",
 ]

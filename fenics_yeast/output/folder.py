@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
@@ -31,56 +30,57 @@ from .summary import Summary
 if TYPE_CHECKING:
     from ..simulation import Checkpoint, ResumePoint
 
-_HEADER = ",".join(COLUMNS)
-
-# Rewriting all profiles at each of very many saved times takes at most this part of the time.
+# Largest part of the time for writing all profiles again at each of very many saved times.
 _PROFILES_SHARE = 0.1
 
 
 class OutputFolder:
-    """Writer of the output directory of a run: an `Observer`, and a context manager.
+    """Writer of the output directory of a run: an `Observer` and a context manager.
 
-    A row is in the history file as soon as its step is accepted; other files are written under a
-    temporary name, flushed to disk and renamed. If the directory is removed during the run, it is
-    created again with everything that it held. Under MPI, only rank 0 has one.
+    A row is in the history file as soon as its step is accepted; every other file is written under
+    a temporary name, flushed to the disk and renamed. A directory that is removed during the run
+    is made again with its content. Under MPI only rank 0 has a writer.
 
     Parameters
     ----------
     path
-        The directory, created if missing. Files of an earlier run are replaced, others stay.
+        The directory, made if missing. Files of an earlier run are replaced, others stay.
     scene
         The scene to be run.
     start
-        State from which the run in the directory resumes; None for a new run.
+        State from which the run in the directory is resumed; None for a new run.
 
     Attributes
     ----------
+    rows, profiles
+        What the directory has so far.
     complete
-        Whether everything but figures has been written.
+        Whether the directory has the summary of this run, hence all but figures.
     can_resume
-        Whether there is a checkpoint of this run.
+        Whether it has a checkpoint of this run.
 
     Raises
     ------
     OutputError
-        If the directory cannot be written, or its files of these names are not those of a run.
+        If the directory cannot be written, or has files with our names that are not from a run.
     """
 
     def __init__(self, path: Path, scene: Scene, start: ResumePoint | None = None) -> None:
         self.path = path
         self._scene = scene
-        self._rows: list[Row] = [] if start is None else list(start.rows)  # in the file
-        self._kept: list[Profile] = [] if start is None else list(start.profiles)
+        self.rows: list[Row] = [] if start is None else list(start.rows)  # in the file
+        self.profiles: list[Profile] = [] if start is None else list(start.profiles)
         self._profiles_written = 0
         self.complete, self.can_resume = False, start is not None
         self._may_write_at = 0.0
         with writing(self.path):
             if start is None:
                 self._claim()
-            self._clear()
+            for name in (RUN, *FIGURES, SERIES):  # the end of an earlier run
+                (self.path / name).unlink(missing_ok=True)
+            for surface in (self.path / SURFACES).glob("*.vtu"):
+                surface.unlink()
             self._begin()
-        if self._kept:
-            self._write_profiles()
 
     def __enter__(self) -> Self:
         return self
@@ -88,102 +88,89 @@ class OutputFolder:
     def __exit__(self, *_: object) -> None:
         self._history.close()
 
-    @property
-    def rows(self) -> tuple[Row, ...]:
-        """Rows so far."""
-        return tuple(self._rows)
-
-    @property
-    def profiles(self) -> tuple[Profile, ...]:
-        """Profiles so far."""
-        return tuple(self._kept)
-
     def accepted(self, row: Row) -> None:
         """Append a row to the history."""
-        self._present()
         with writing(self.path):
+            self._ensure_present()
             self._append(_line(row))
-        self._rows.append(row)
+        self.rows.append(row)
 
     def saved(self, profile: Profile) -> None:
-        """Add a profile and rewrite their file, unless that was done a moment ago."""
-        self._present()
-        self._kept.append(profile)
-        began = perf_counter()
-        if began >= self._may_write_at:
-            self._write_profiles()
-            now = perf_counter()
-            self._may_write_at = now + (now - began) / _PROFILES_SHARE
+        """Add a profile; rewrite the file unless that was done a moment ago."""
+        with writing(self.path):
+            self._ensure_present()
+            self.profiles.append(profile)
+            began = perf_counter()
+            if began >= self._may_write_at:
+                self._write_profiles()
+                now = perf_counter()
+                self._may_write_at = now + (now - began) / _PROFILES_SHARE
 
     def keep(self, checkpoint: Checkpoint) -> None:
-        """Replace the checkpoint, after writing the rows and profiles that it needs."""
-        self._present()
-        if self._profiles_written != len(self._kept):
-            self._write_profiles()
+        """Replace the checkpoint, once all rows and profiles that it counts are on the disk."""
         with writing(self.path):
+            self._ensure_present()
+            if self._profiles_written != len(self.profiles):
+                self._write_profiles()
             os.fsync(self._history.fileno())
             replace_file(self.path / CHECKPOINT, checkpoint.to_bytes())
         self.can_resume = True
 
     def finish(self, result: Result, timings: Timings) -> None:
-        """Complete the directory; may be called again when more is known.
+        """Complete the directory at the end of the run; again when more is known.
 
-        `timings` are those of the whole command and replace those of the result.
+        Parameters
+        ----------
+        result
+            Outcome of the run.
+        timings
+            Seconds spent in the whole command, in place of those of the result.
         """
-        self._present()
-        if self._profiles_written != len(result.profiles):
-            self._kept = list(result.profiles)
-            self._write_profiles()
         with writing(self.path):
-            if len(self._rows) != len(result.history):  # interrupted between step and row
-                self._write_history(result.history.rows)
+            self._ensure_present()
+            if self._profiles_written != len(result.profiles):
+                self.profiles = list(result.profiles)
+                self._write_profiles()
+            if len(self.rows) != len(result.history):  # interrupted between step and row
+                self.rows = list(result.history.rows)
+                self._write_history()
         self.summarise(result, timings)
 
     def summarise(self, result: Result, timings: Timings) -> None:
-        """Write only the summary, which needs little space."""
+        """Write only the summary, for which even a full disk may have room."""
         with writing(self.path):
             replace_file(self.path / RUN, Summary.of(result, timings).to_json())
         self.complete = True
 
     def _claim(self) -> None:
-        """Create the directory, or remove the files from which an earlier run could resume."""
-        ours = [self.path / name for name in (SCENE, HISTORY, PROFILES, RUN)]
-        found = [file.name for file in ours if file.exists()]
+        """Make the directory, or remove that from which an earlier run could be resumed."""
+        found = [name for name in (SCENE, HISTORY, PROFILES, RUN) if (self.path / name).exists()]
         if found and (SCENE not in found or len(found) == 1):
             raise OutputError(
                 f"{self.path}: its {found[0]} is not from a run; choose another directory"
             )
         self.path.mkdir(parents=True, exist_ok=True)
-        for name in (CHECKPOINT, PROFILES):  # the checkpoint first, as it needs the others
+        for name in (CHECKPOINT, PROFILES):  # the checkpoint first: it requires the others
             (self.path / name).unlink(missing_ok=True)
 
-    def _clear(self) -> None:
-        """Remove the summary and figures of an earlier run."""
-        for name in (RUN, *FIGURES, SERIES):
-            (self.path / name).unlink(missing_ok=True)
-        for surface in (self.path / SURFACES).glob("*.vtu"):
-            surface.unlink()
-
-    def _begin(self) -> None:
-        """Write the scene, and the history so far."""
-        replace_file(self.path / SCENE, self._scene.to_toml().encode())
-        self._write_history(self._rows)
-        self._history = open(self.path / HISTORY, "ab", buffering=0)  # noqa: SIM115
-
-    def _present(self) -> None:
-        """Create the directory again if it has been removed."""
-        if (self.path / HISTORY).exists():
-            return
-        with writing(self.path):
+    def _ensure_present(self) -> None:
+        """Make the directory again if it has been removed."""
+        if not (self.path / HISTORY).exists():
             self._history.close()
             self.path.mkdir(parents=True, exist_ok=True)
             self._begin()
-        if self._kept:
+
+    def _begin(self) -> None:
+        """Write the scene, and history and profiles as far as they are known."""
+        replace_file(self.path / SCENE, self._scene.to_toml().encode())
+        self._write_history()
+        self._history = open(self.path / HISTORY, "ab", buffering=0)  # noqa: SIM115
+        if self.profiles:
             self._write_profiles()
 
     def _append(self, line: str) -> None:
-        """Append a whole line, or nothing if the disk is full."""
-        content = (line + "\n").encode()
+        """Add a whole line, or none where the disk is full."""
+        content = line.encode()
         whole = os.fstat(self._history.fileno()).st_size
         try:
             while content:
@@ -192,23 +179,22 @@ class OutputFolder:
             self._history.truncate(whole)
             raise
 
-    def _write_history(self, rows: Iterable[Row]) -> None:
-        lines = [_HEADER, *map(_line, rows)]
-        replace_file(self.path / HISTORY, "".join(line + "\n" for line in lines).encode())
+    def _write_history(self) -> None:
+        lines = [",".join(COLUMNS) + "\n", *map(_line, self.rows)]
+        replace_file(self.path / HISTORY, "".join(lines).encode())
 
     def _write_profiles(self) -> None:
         content = BytesIO()
-        np.savez(content, **Profiles(tuple(self._kept)).arrays())
-        with writing(self.path):
-            replace_file(self.path / PROFILES, content.getvalue())
-        self._profiles_written = len(self._kept)
+        np.savez(content, **Profiles(tuple(self.profiles)).arrays())
+        replace_file(self.path / PROFILES, content.getvalue())
+        self._profiles_written = len(self.profiles)
 
 
 def _line(row: Row) -> str:
-    """Return a row as text, with all digits of its numbers."""
-    return ",".join(repr(column_type(name)(getattr(row, name))) for name in COLUMNS)
+    """Values of a row as Python numbers, which print all their digits."""
+    return ",".join(repr(column_type(name)(getattr(row, name))) for name in COLUMNS) + "\n"
 
 
 def column_type(column: str) -> type[float] | type[int]:
-    """Return the type of the numbers of a history column."""
+    """Return the type of the numbers in a column of the history."""
     return int if column in ("newton_iterations", "stable") else float

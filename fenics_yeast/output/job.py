@@ -6,12 +6,24 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from time import perf_counter
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 from ..scene import Scene
-from ..simulation import History, Observer, Profiles, Result, Row, Status, Timings, discretise
+from ..simulation import (
+    History,
+    Observer,
+    Profiles,
+    Result,
+    RootError,
+    Row,
+    Status,
+    Timings,
+    discretise,
+    on_root,
+)
 from .errors import DolfinxMissing, OutputError, OutputWriteError, RunLost
 from .files import writing
 from .folder import OutputFolder
@@ -22,34 +34,29 @@ if TYPE_CHECKING:
     from .restart import EarlierRun
 
 
-T = TypeVar("T")
-
-
 class Screen(Observer, Protocol):
-    """An observer that shows a run; a context manager."""
+    """An observer that shows a run between entry and exit."""
 
     def __enter__(self) -> object: ...
 
     def __exit__(self, *_: object) -> None: ...
 
     def resumed(self, row: Row, rows: int) -> None:
-        """Show the row from which an earlier run resumes, and their number."""
+        """Show from which row an earlier run resumes, and its number."""
 
     def note(self, line: str) -> None:
         """Show a line."""
 
     def refining(self, part: str) -> None:
-        """Show which part of the numerics is refined for the error bars."""
+        """Show that a run is repeated with one part refined, for the error bars."""
 
 
 class Job:
-    """A run of a scene into an output directory; a context manager.
+    """A run of a scene into an output directory: a context manager, entered on every rank.
 
         with Job(Path("out/bud"), scene) as job:
             result = job.run()
             job.complete(result, lambda: draw(job.path, result))
-
-    Every rank of the communicator does this; only rank 0 writes.
 
     Parameters
     ----------
@@ -64,26 +71,24 @@ class Job:
     began
         `time.perf_counter()` when the command began, for the total time.
     resume
-        Whether to resume a run of the scene in the directory, if there is one.
+        Whether to resume the run in the directory, if it has a checkpoint.
 
     Attributes
     ----------
-    path, scene, comm
-        As given.
     ended
-        Result of an earlier run, if nothing remains to be computed, or None.
+        Result of an earlier run to which nothing remains to be added, or None.
     interrupts
-        Signals that interrupt the run, an observer.
+        The signals that interrupt the run: an observer.
 
     Raises
     ------
     DolfinxMissing
-        If dolfinx cannot be loaded, or finds no C compiler.
+        If dolfinx cannot be imported or finds no C compiler.
     OutputError
-        On every rank, before anything is computed, if the directory cannot be written, or if the
-        run in it cannot be resumed.
+        If, before anything is computed, the directory cannot be written or the run in it cannot
+        be resumed; on every rank.
     RunLost
-        If the directory cannot be written later.
+        If the directory cannot be written later on.
     """
 
     def __init__(
@@ -98,7 +103,8 @@ class Job:
     ) -> None:
         self.path, self.scene, self.comm = path, scene, comm
         self.ended: Result | None = None
-        self._screen, self._resume, self._began = screen, resume, began
+        self._screen, self._resume = screen, resume
+        self._began = perf_counter() if began is None else began
         self._stack = ExitStack()
         self._folder: OutputFolder | None = None
         self._start: ResumePoint | None = None
@@ -106,20 +112,7 @@ class Job:
 
     def __enter__(self) -> Self:
         with self._stack as stack:  # closed here if anything below fails
-            importing = perf_counter()
-            try:
-                from mpi4py import MPI
-
-                self.comm = MPI.COMM_WORLD if self.comm is None else self.comm
-                if self.comm.rank > 0:
-                    self._screen = None
-                if self._screen is not None:
-                    stack.enter_context(self._screen)
-                from ..simulation import simulate  # noqa: F401
-            except ImportError as error:
-                raise DolfinxMissing(str(error)) from None
-            self._import_s = perf_counter() - importing
-            self._began = importing if self._began is None else self._began
+            self._import_dolfinx(stack)
             if self._resume:
                 earlier = self._find_earlier_run()
                 self._start, self.ended = earlier.start, earlier.ended
@@ -131,71 +124,59 @@ class Job:
         self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
     ) -> None:
         from .._form_cache import CompilerError
-        from ..simulation import CheckpointError, RootError
+        from ..simulation import CheckpointError
+        from .restart import FROM_START
 
         with self._stack:
             if isinstance(error, CheckpointError):
-                problem = f"{self.path}: its checkpoint {error}; rerun the scene without --resume"
+                problem = f"{self.path}: its checkpoint {error}; {FROM_START}"
                 raise OutputError(problem) from None
             if isinstance(error, OutputWriteError):
-                advice = self._lose(error)
+                advice = self._advice(error)
                 raise RunLost(error.problem, advice, everywhere=not self._simulated) from None
-            if isinstance(error, RootError):  # on other ranks than 0
+            if isinstance(error, RootError) and self.comm.rank > 0:
                 raise RunLost(str(error), "see the message of rank 0", everywhere=True) from None
             if isinstance(error, CompilerError):
                 raise DolfinxMissing(str(error)) from None
 
     def note_ended(self) -> None:
-        """Show that an earlier run had ended."""
+        """Show that nothing remains to be added to an earlier run."""
         if self._screen is not None and self.ended is not None:
             self._screen.note(f"{self.path}: already complete: {self.ended.message}")
 
     def run(self) -> Result:
-        """Simulate, and write everything but figures.
+        """Simulate; write all but figures.
 
         Returns
         -------
         Result
-            As from `simulate`, with the same status and message on all ranks. It reports an
-            interrupt; further ones wait for `complete`.
+            As of `simulate`, with the same status and message on all ranks. If the run is
+            interrupted, the result says so; a second interrupt waits for `complete`.
         """
-        from ..simulation import Observers, simulate
-
-        self._folder = self._open()
+        self._folder = on_root(
+            self.comm, lambda: OutputFolder(self.path, self.scene, self._start), OutputError
+        )
         if self._folder is not None:
             self._stack.enter_context(self._folder)
-        self._note_start()
+        if self._resume:
+            self._note_start()
         self._stack.enter_context(self.interrupts)
-        observers: list[Observer] = []
-        if self.comm.rank == 0:
-            watching = (self._folder, self._screen, self.interrupts)
-            observers = [each for each in watching if each is not None]
         try:
-            result = simulate(
-                self.scene,
-                observer=Observers(observers),
-                comm=self.comm,
-                start=self._start,
-                keep=self._keep,
-            )
-            self._simulated = True
-            status, message = self.comm.bcast((result.status, result.message))
-            if status == "failed" and self.interrupts.acted:
-                status, message = "interrupted", f"interrupted at {result.end_time:g} min"
-            result = replace(result, status=status, message=message)
+            result = self._simulate()
             self.interrupts.hold()
         except KeyboardInterrupt:
-            result = self._cut_short("interrupted")
+            result = self._ended_early("interrupted")
         self._finish(result)
         return result
 
     def complete(self, result: Result, make: Callable[[], object] | None = None) -> None:
-        """Let interrupts act again, and make figures and the like on rank 0.
+        """Let interrupts act again, and make on rank 0 what may be interrupted.
 
         Raises
         ------
         KeyboardInterrupt
-            If this is interrupted and the run was not; only what was being made is missing.
+            If a run is interrupted that was not before; what has been written is complete but for
+            what `make` makes.
         """
         if self._folder is None:
             return
@@ -211,12 +192,12 @@ class Job:
         self._finish(result, perf_counter() - began)
 
     def extend(self, result: Result, compute: Callable[[], Result], what: str) -> Result:
-        """Extend a result by further runs, on all ranks, and write it.
+        """Add to a result what takes further runs, on all ranks, and write it.
 
         Raises
         ------
         KeyboardInterrupt
-            If these are interrupted; the directory keeps the result as it was, with a note.
+            If these are interrupted; the summary then has the result as it was and says so.
         """
         try:
             result = compute()
@@ -228,45 +209,61 @@ class Job:
         self._finish(result)
         return result
 
-    # --- the directory, on rank 0 ------------------------------------------------------------
+    # --- before the run -------------------------------------------------------------------
+
+    def _import_dolfinx(self, stack: ExitStack) -> None:
+        """Import dolfinx, with the screen shown meanwhile."""
+        began = perf_counter()
+        try:
+            from mpi4py import MPI
+
+            self.comm = MPI.COMM_WORLD if self.comm is None else self.comm
+            if self.comm.rank > 0:
+                self._screen = None
+            if self._screen is not None:
+                stack.enter_context(self._screen)
+            from ..simulation import simulate  # noqa: F401
+        except ImportError as error:
+            raise DolfinxMissing(str(error)) from None
+        self._import_s = perf_counter() - began
 
     def _find_earlier_run(self) -> EarlierRun:
-        """Return the earlier run in the directory, its profiles only on rank 0."""
+        """What the directory has of an earlier run, read on rank 0; only it has the profiles."""
         from .restart import EarlierRun, find_earlier_run
 
-        earlier = self._on_root(lambda: find_earlier_run(self.path, self.scene))
-        others = None
-        if earlier is not None:
-            start = earlier.start and replace(earlier.start, profiles=())
-            others = EarlierRun(start, earlier.ended)
-        others = self.comm.bcast(others)
-        return others if earlier is None else earlier
-
-    def _open(self) -> OutputFolder | None:
-        return self._on_root(lambda: OutputFolder(self.path, self.scene, self._start))
-
-    def _on_root(self, act: Callable[[], T]) -> T | None:
-        """Act on rank 0; every rank learns whether that worked."""
-        from ..simulation import RootError, on_root
-
-        try:
-            return on_root(self.comm, act)
-        except RootError as error:
-            cause = error.__cause__
-            if cause is not None and not isinstance(cause, OutputError):
-                raise cause from None
-            raise OutputError(str(cause or error)) from None
+        found = on_root(self.comm, lambda: find_earlier_run(self.path, self.scene), OutputError)
+        start = replace(found.start, profiles=()) if found and found.start else None
+        others = self.comm.bcast(EarlierRun(start, found.ended) if found else None)
+        return found or others
 
     def _note_start(self) -> None:
-        """Show where an earlier run resumes, or why it does not."""
-        if self._screen is None or not self._resume:
+        """Show from where an earlier run resumes, or why it does not."""
+        if self._screen is None:
             return
         if self._start is not None:
             self._screen.resumed(self._start.rows[-1], len(self._start.rows))
-        elif self.scene.path is not None:
-            self._screen.note("a path cannot be resumed; starting from the beginning")
-        else:
-            self._screen.note(f"{self.path}: no checkpoint; starting from the beginning")
+            return
+        reason = "no checkpoint"
+        if self.scene.path is not None:
+            reason = "an equilibrium path cannot be resumed"
+        self._screen.note(f"{self.path}: {reason}; starting from the beginning")
+
+    # --- the run and its end --------------------------------------------------------------
+
+    def _simulate(self) -> Result:
+        """Run the simulation; its end is the same on all ranks."""
+        from ..simulation import Observers, simulate
+
+        watching = (self._folder, self._screen, self.interrupts) if self.comm.rank == 0 else ()
+        observers = Observers([each for each in watching if each is not None])
+        result = simulate(
+            self.scene, observer=observers, comm=self.comm, start=self._start, keep=self._keep
+        )
+        self._simulated = True
+        status, message = self.comm.bcast((result.status, result.message))
+        if status == "failed" and self.interrupts.acted:  # an error that PETSc made of it
+            status, message = "interrupted", f"interrupted at {result.end_time:g} min"
+        return replace(result, status=status, message=message)
 
     def _keep(self, checkpoint: Checkpoint) -> None:
         if self._folder is not None:
@@ -278,8 +275,7 @@ class Job:
             self._folder.finish(result, self._whole(result.timings, output_s))
 
     def _whole(self, timings: Timings, output_s: float = 0.0) -> Timings:
-        """Return the timings of the whole command, including earlier parts of the run."""
-        assert self._began is not None
+        """Timings of the whole command, earlier parts of the run included."""
         before = Timings() if self._start is None else self._start.checkpoint.timings
         return replace(
             timings,
@@ -288,61 +284,32 @@ class Job:
             total_s=before.total_s + perf_counter() - self._began,
         )
 
-    def _cut_short(self, status: Status, message: str = "") -> Result:
-        """Return the result of a run that ended outside its steps, from its directory."""
-        rows = () if self._folder is None else self._folder.rows
-        profiles = () if self._folder is None else self._folder.profiles
-        when = f"at {rows[-1].time_min:g} min" if rows else "before the first equilibrium"
+    def _ended_early(self, status: Status, message: str = "") -> Result:
+        """Result of a run that ended outside of its steps, from what has been written."""
+        folder = self._folder
+        rows, profiles = ([], []) if folder is None else (folder.rows, folder.profiles)
         before = None if self._start is None else self._start.checkpoint
+        when = f"at {rows[-1].time_min:g} min" if rows else "before the first equilibrium"
         return Result(
             history=History(rows),
-            profiles=Profiles(profiles, discretise(self.scene).zones),
+            profiles=Profiles(tuple(profiles), discretise(self.scene).zones),
             status=status,
             message=message or f"{status} {when}",
             end_time=rows[-1].time_min if rows else 0.0,
             dofs=0,
             steps=max(0, len(rows) - 1),
-            rejected_steps=0 if before is None else before.recorder.rejected,
-            newton_iterations=0 if before is None else before.recorder.iterations,
-            timings=Timings() if before is None else before.timings,
+            rejected_steps=before.recorder.rejected if before else 0,
+            newton_iterations=before.recorder.iterations if before else 0,
+            timings=before.timings if before else Timings(),
         )
 
-    def _lose(self, error: OutputWriteError) -> str:
-        """Write the summary if there is room; return what to do about an unwritable directory."""
-        advice = "fix this, then rerun the scene"
-        if self._folder is not None and self._folder.complete:
-            advice = f"to create missing figures, run: fenics-yeast plot {self.path}"
-        elif self._folder is not None:
-            with suppress(OutputError):
-                result = self._cut_short("failed", error.problem)
-                self._folder.summarise(result, self._whole(result.timings))
-            if self._folder.can_resume:
-                advice = "fix this, then rerun with --resume"
-        return advice
-
-
-def run_into(
-    path: Path,
-    scene: Scene,
-    *,
-    screen: Screen | None = None,
-    comm: Any = None,
-    began: float | None = None,
-    resume: bool = False,
-) -> Result:
-    """Run a scene; write history, profiles and summary to a directory.
-
-    Parameters and errors are those of `Job`.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        If it is interrupted between its end and the last line of its summary.
-    """
-    with Job(path, scene, screen=screen, comm=comm, began=began, resume=resume) as job:
-        if job.ended is not None:
-            job.note_ended()
-            return job.ended
-        result = job.run()
-        job.complete(result)
-        return result
+    def _advice(self, error: OutputWriteError) -> str:
+        """What to do when the directory can no longer be written; in the summary, if it can be."""
+        if self._folder is None:
+            return "fix this, then rerun the scene"
+        if self._folder.complete:
+            return f"to create missing figures, run: fenics-yeast plot {quote(str(self.path))}"
+        with suppress(OutputError):
+            result = self._ended_early("failed", error.problem)
+            self._folder.summarise(result, self._whole(result.timings))
+        return f"fix this, then rerun {'with --resume' if self._folder.can_resume else 'the scene'}"

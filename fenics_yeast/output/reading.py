@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from pathlib import Path
 from zipfile import BadZipFile
 
@@ -98,5 +97,7 @@ def read_result(directory: Path) -> Result:
     summary = read_summary(directory)
     if summary is None:
         raise OutputError(f"{directory}: no {RUN}; the run has not ended")
-    values = {field.name: getattr(summary, field.name) for field in fields(summary)}
-    return Result(history=read_history(directory), profiles=read_profiles(directory), **values)
+    values = dict(vars(summary))
+    end_time = values.pop("end_time_min")
+    del values["versions"]
+    return Result(read_history(directory), read_profiles(directory), end_time=end_time, **values)

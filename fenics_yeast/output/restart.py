@@ -13,7 +13,7 @@ from .files import CHECKPOINT
 from .reading import read_history, read_profiles, read_result, read_scene
 from .summary import read_summary
 
-_ANEW = "omit --resume to run the scene from the start"
+FROM_START = "omit --resume to run the scene from the start"
 
 
 @dataclass(frozen=True)
@@ -52,18 +52,19 @@ def find_earlier_run(directory: Path, scene: Scene) -> EarlierRun:
         else:
             return EarlierRun()
     except SceneError:
-        problem = f"{directory}: its scene cannot be read by this version; {_ANEW}"
+        problem = f"{directory}: its scene cannot be read by this version; {FROM_START}"
         raise OutputError(problem) from None
     if (difference := _difference(earlier, scene)) is not None:
         raise OutputError(
             f"{directory}: has a run of another scene ({difference}); choose another directory"
         )
-    ended = None
     summary = read_summary(directory)
-    if summary is not None and summary.status in ("finished", "no-equilibrium"):
-        ended = read_result(directory)
+    answered = summary is not None and summary.status in ("finished", "no-equilibrium")
+    ended = read_result(directory) if answered else None
     if checkpoint is None:
-        return EarlierRun(ended=ended if ended is not None and earlier.run == scene.run else None)
+        return EarlierRun(ended=ended if earlier.run == scene.run else None)
+    if summary is not None:  # it includes time after the checkpoint
+        checkpoint = replace(checkpoint, timings=summary.timings)
     start = _start(directory, checkpoint)
     run, time = scene.run, checkpoint.stepper.time
     if run is None:
@@ -83,9 +84,9 @@ def _load(path: Path) -> Checkpoint | None:
     except FileNotFoundError:
         return None
     except CheckpointError as error:
-        raise OutputError(f"{path}: {error}; {_ANEW}") from None
+        raise OutputError(f"{path}: {error}; {FROM_START}") from None
     except OSError as error:
-        raise OutputError(f"{path}: cannot be read: {error.strerror}; {_ANEW}") from None
+        raise OutputError(f"{path}: cannot be read: {error.strerror}; {FROM_START}") from None
 
 
 def _start(directory: Path, checkpoint: Checkpoint) -> ResumePoint:
@@ -99,23 +100,23 @@ def _start(directory: Path, checkpoint: Checkpoint) -> ResumePoint:
     elif len(profiles) < recorder.profiles:
         missing = f"profile {recorder.profiles}"
     if missing is not None:
-        raise OutputError(f"{directory}: {missing} is missing, which the checkpoint needs; {_ANEW}")
-    if (summary := read_summary(directory)) is not None:  # it includes time after the checkpoint
-        checkpoint = replace(checkpoint, timings=summary.timings)
+        raise OutputError(
+            f"{directory}: {missing} is missing, which the checkpoint needs; {FROM_START}"
+        )
     return ResumePoint(checkpoint, tuple(rows), tuple(profiles))
 
 
 def _agree(directory: Path, start: ResumePoint, run: Run) -> None:
     """Refuse an end, or a newly saved time, that the run has passed."""
-    time = start.checkpoint.stepper.time
+    time, problem = start.checkpoint.stepper.time, None
     if run.end < time and not same_time(run.end, time):
-        problem = f"cannot resume: already at {time:g} min, beyond run.end = {run.end:g} min"
-        raise OutputError(f"{directory}: {problem}; {_ANEW}")
+        problem = f"already at {time:g} min, beyond run.end = {run.end:g} min"
     for saved in run.save:
         passed = saved < time or same_time(saved, time)
         if passed and not any(same_time(profile.time, saved) for profile in start.profiles):
-            problem = f"cannot resume: {saved:g} min was added to run.save too late"
-            raise OutputError(f"{directory}: {problem}; {_ANEW}")
+            problem = problem or f"{saved:g} min was added to run.save too late"
+    if problem is not None:
+        raise OutputError(f"{directory}: cannot resume: {problem}; {FROM_START}")
 
 
 def _difference(earlier: Scene, scene: Scene) -> str | None:
@@ -127,10 +128,8 @@ def _difference(earlier: Scene, scene: Scene) -> str | None:
         if key == "title" or key.startswith("run."):
             continue
         if old.get(key) != new.get(key):
-            was, now = (_text(values.get(key)) for values in (old, new))
+            was, now = (
+                "none" if (value := values.get(key)) is None else value for values in (old, new)
+            )
             return f"{key} = {was}, not {now}"
     return None
-
-
-def _text(value: object) -> str:
-    return "none" if value is None else str(value)

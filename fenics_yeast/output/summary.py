@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self, get_args
@@ -17,14 +18,15 @@ from .files import RUN
 
 @dataclass(frozen=True)
 class Summary:
-    """How a run ended, and what it took; attributes as in `Result`.
+    """How a run ended and what it took: the file's names, in its order, as in `Result`.
 
-    `timings` are those of the whole command.
+    `timings` are those of the whole command, `versions` those of the software by name.
     """
 
     status: Status
+    end_time_min: float
     message: str
-    end_time: float
+    versions: Mapping[str, str]
     dofs: int
     steps: int
     rejected_steps: int
@@ -34,11 +36,12 @@ class Summary:
 
     @classmethod
     def of(cls, result: Result, timings: Timings) -> Self:
-        """Return the summary of a result."""
+        """Return the summary of a result that this process has computed."""
         return cls(
             status=result.status,
+            end_time_min=float(result.end_time),
             message=result.message,
-            end_time=float(result.end_time),
+            versions=_versions(),
             dofs=int(result.dofs),
             steps=int(result.steps),
             rejected_steps=int(result.rejected_steps),
@@ -49,28 +52,19 @@ class Summary:
 
     def to_json(self) -> bytes:
         """Return the content of the file."""
-        values: dict[str, object] = {
-            "status": self.status,
-            "end_time_min": self.end_time,
-            "message": self.message,
-            "versions": _versions(),
-            "dofs": self.dofs,
-            "steps": self.steps,
-            "rejected_steps": self.rejected_steps,
-            "newton_iterations": self.newton_iterations,
-            "timings": asdict(self.timings),
-        }
-        if self.error_bars is not None:
-            columns = {
+        content = vars(self) | {"timings": asdict(self.timings)}
+        if self.error_bars is None:
+            del content["error_bars"]
+        else:  # JSON has null in place of "not a number"
+            content["error_bars"] = {
                 name: [None if np.isnan(value) else float(value) for value in column]
                 for name, column in self.error_bars.columns().items()
-            }  # JSON has null for "not a number"
-            values["error_bars"] = {**columns, "message": self.error_bars.message}
-        return (json.dumps(values, indent=2) + "\n").encode()
+            } | {"message": self.error_bars.message}
+        return (json.dumps(content, indent=2) + "\n").encode()
 
 
 def read_summary(directory: Path) -> Summary | None:
-    """Read the summary of a run; None while it has not ended.
+    """Return the summary of a run; None while the run is in progress.
 
     Raises
     ------
@@ -79,35 +73,26 @@ def read_summary(directory: Path) -> Summary | None:
     """
     path = directory / RUN
     try:
-        values = json.loads(path.read_bytes())
-        if values["status"] not in get_args(Status):
+        content = json.loads(path.read_bytes())
+        if content["status"] not in get_args(Status):
             raise ValueError
-        return Summary(
-            status=values["status"],
-            message=values["message"],
-            end_time=values["end_time_min"],
-            dofs=values["dofs"],
-            steps=values["steps"],
-            rejected_steps=values["rejected_steps"],
-            newton_iterations=values["newton_iterations"],
-            timings=Timings(**values["timings"]),
-            error_bars=_error_bars(values.get("error_bars")),
-        )
+        content["timings"] = Timings(**content["timings"])
+        if "error_bars" in content:
+            content["error_bars"] = _error_bars(content["error_bars"])
+        return Summary(**content)
     except FileNotFoundError:
         return None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise OutputError(f"{path}: damaged; rerun the scene") from None
 
 
-def _error_bars(values: dict[str, Any] | None) -> ErrorBars | None:
-    if values is None:
-        return None
+def _error_bars(content: dict[str, Any]) -> ErrorBars:
     columns = {
         name: np.array(column, dtype=float)
-        for name, column in values.items()
-        if name not in ("total", "message")
+        for name, column in content.items()
+        if name not in ("total", "message")  # the total is the sum of the others
     }
-    return ErrorBars(**columns, message=values["message"])
+    return ErrorBars(**columns, message=content["message"])
 
 
 def _versions() -> dict[str, str]:

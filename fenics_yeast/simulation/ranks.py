@@ -16,8 +16,17 @@ class RootError(RuntimeError):
     """Rank 0 raised an error, which is this error's cause there; raised on all ranks at once."""
 
 
-def on_root(comm: Any, act: Callable[[], T]) -> T | None:
+def on_root(comm: Any, act: Callable[[], T], expected: type[Exception] | None = None) -> T | None:
     """Act on rank 0; what it raises there is raised on all ranks. Collective.
+
+    Parameters
+    ----------
+    comm
+        MPI communicator.
+    act
+        Called on rank 0.
+    expected
+        Errors of this class are raised on all ranks as such, made from their message.
 
     Returns
     -------
@@ -27,7 +36,7 @@ def on_root(comm: Any, act: Callable[[], T]) -> T | None:
     Raises
     ------
     RootError
-        If it raised an error.
+        If it raised another error.
     KeyboardInterrupt
         If it raised that.
     """
@@ -39,10 +48,13 @@ def on_root(comm: Any, act: Callable[[], T]) -> T | None:
         except (Exception, KeyboardInterrupt) as error:
             problem = error
     name, words = (type(problem).__name__, str(problem)) if problem else ("", "")
+    known = expected is not None and isinstance(problem, expected)
     if comm.size > 1:
-        name, words = comm.bcast((name, words))
+        name, words, known = comm.bcast((name, words, known))
     if name == KeyboardInterrupt.__name__:
         raise KeyboardInterrupt from problem
+    if expected is not None and known:
+        raise expected(words) from problem
     if name:
         raise RootError(f"{name}: {words}") from problem
     return value

@@ -20,9 +20,9 @@ from pathlib import Path
 from threading import Event, Lock, Thread
 from typing import Any, Protocol
 
-from ..output import SIGNALS, DolfinxMissing, OutputError, RunLost, run_into, writing
+from ..output import SIGNALS, DolfinxMissing, Job, OutputError, RunLost, writing
 from ..scene import SceneError
-from ..simulation import Result
+from ..simulation import Result, on_root
 from .cases import Case
 from .table import TABLE, CaseRow, finished_row, read_table, row_of, was_cut_short, write_table
 
@@ -85,16 +85,10 @@ def run_sweep(
     KeyboardInterrupt
         If the sweep is interrupted, once the running cases have stopped.
     """
-    problem = None
-    if comm is None or comm.rank == 0:
-        try:
-            _claim(directory)
-        except OutputError as error:
-            problem = str(error)
-    if comm is not None:
-        problem = comm.bcast(problem)
-    if problem is not None:
-        raise OutputError(problem)
+    if comm is None:
+        _claim(directory)
+    else:
+        on_root(comm, lambda: _claim(directory), OutputError)
     if comm is not None and comm.rank > 0:
         _serve(comm)
         return []
@@ -170,7 +164,10 @@ def _work(directory: Path, case: Case) -> str:
 
     def run(resume: bool) -> Result:
         place, screen, alone = directory / case.name, _UntilStopped(), MPI.COMM_SELF
-        return run_into(place, case.scene, screen=screen, comm=alone, resume=resume)
+        with Job(place, case.scene, screen=screen, comm=alone, resume=resume) as job:
+            result = job.run()
+            job.complete(result)
+            return result
 
     with _BUSY:
         try:

@@ -12,7 +12,7 @@ from support.command import call
 from fenics_yeast import Scene, simulate
 from fenics_yeast.figures import AnimationError, animation, draw
 from fenics_yeast.figures.wall_fields import area_strain, mean, outline, zone_numbers
-from fenics_yeast.output import FIGURES, run_into
+from fenics_yeast.output import FIGURES, Job
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,8 @@ def growing(cell_scene: Scene) -> Scene:
 @pytest.fixture(scope="module")
 def folder(growing: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run")
-    run_into(path, growing)
+    with Job(path, growing) as job:
+        job.complete(job.run())
     return path
 
 
@@ -84,7 +85,8 @@ def test_an_animation_shows_the_cell_at_every_frame(
 def test_only_a_run_in_time_is_animated(tmp_path: Path, elastic_scene: Scene) -> None:
     with pytest.raises(AnimationError, match="only a run in time can"):
         animation.animate(tmp_path, elastic_scene, end=0.0)
-    run_into(tmp_path / "static", elastic_scene)
+    with Job(tmp_path / "static", elastic_scene) as job:
+        job.complete(job.run())
     result = call("plot", str(tmp_path / "static"), "--film")
     assert result.exit_code == 2 and result.stderr.count("\n") == 1
     (tmp_path / "sweep.csv").write_text("case,growth.time,status\n")

@@ -289,7 +289,7 @@ def test_without_a_checkpoint_a_run_starts_from_the_beginning(here: Path) -> Non
 def test_a_path_starts_from_the_beginning(here: Path) -> None:
     text = SCENE[: SCENE.index("[growth]")]
     (here / "small.toml").write_text(text + "[path]\nuntil = { volume_ratio = 1.1 }\nsteps = 4\n")
-    for word in ("a path cannot be resumed", "already complete: reached 0.538"):
+    for word in ("an equilibrium path cannot be resumed", "already complete: reached 0.538"):
         result = run("--resume")
         assert result.exit_code == 0 and word in result.stdout
 

@@ -168,7 +168,7 @@ def test_a_path_has_no_bars(cell_scene):
     scene = cell_scene.with_values({"growth": None, "run": None, "path": path})
     bars = estimate_error_bars(scene, simulate(scene))
     assert len(bars.total) == 0
-    assert "a path has no times" in bars.message
+    assert "an equilibrium path has no saved times" in bars.message
 
 
 def test_an_interrupted_refinement_interrupts(cell_scene, monkeypatch):
