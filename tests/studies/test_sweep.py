@@ -220,7 +220,7 @@ def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
     (here / "sweep").mkdir()
     (here / "sweep" / "sweep.csv").write_text("my,own\n1,2\n")
     done = sweep("--vary", "growth.time=3")
-    assert done.returncode == 2 and "no table that a sweep has left" in done.stderr
+    assert done.returncode == 2 and "not the table of a sweep" in done.stderr
     assert (here / "sweep" / "sweep.csv").read_text() == "my,own\n1,2\n"
 
 
