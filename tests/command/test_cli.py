@@ -198,7 +198,7 @@ def test_a_bad_scene_is_refused_in_a_line(
     [
         (("run", "nowhere.toml"), ("nowhere.toml", "no such file")),
         (("check", "nowhere.toml"), ("nowhere.toml", "no such file")),
-        (("run", "."), ("folder",)),
+        (("run", "."), ("Is a directory",)),
         (("run", "small.toml", "--set", "growth.time"), ("growth.time", "TABLE.KEY=VALUE")),
         (("run", "small.toml", "--set", "growth.tim=3"), ("growth.time",)),
         (("run", "small.toml", "--set", "growth.time=-3"), ("growth.time", "-3")),
