@@ -1,7 +1,5 @@
 """Shell completion of keys and values after `--set` and `--vary`."""
 
-from __future__ import annotations
-
 from typing import Any, Literal, get_args, get_origin
 
 from ..scene import Scene, keys_of

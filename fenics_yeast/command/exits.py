@@ -1,7 +1,5 @@
 """How a command ends: exit status, message and signals."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """The work of `fenics-yeast info`: test the installation, and say how to fix it."""
 
-from __future__ import annotations
-
 import json
 import os
 import platform

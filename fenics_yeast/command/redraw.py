@@ -1,7 +1,5 @@
 """The work of `fenics-yeast plot`: all figures of a run or sweep, from its files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ..figures import draw, write_surfaces

@@ -1,7 +1,5 @@
 """The work of `fenics-yeast run`: a run, its figures and its error bars."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -149,7 +149,7 @@ class ProgressLine:
         self._console.print(f"{result.status}, see {place}")
 
 
-_HEADINGS = ("time (min)", "time steps", "mesh", "thickness points", "shear penalty", "total")
+_HEADINGS = ("time (min)", "time steps", "mesh", "through thickness", "shear penalty", "total")
 
 
 def _resumed(row: Row, rows: int) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import Array
 from ..scene import Scene
 from ..simulation import ErrorBars, History, Status
 from .style import COLOURS, FINER, figure_of
@@ -18,8 +19,6 @@ from .wall_fields import hermite
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..geometry import merged
+from ..geometry import Array, merged
 from ..scene import Scene
 from ..simulation import Profile, Profiles
 from .style import figure_of
@@ -18,7 +17,6 @@ from .wall_fields import mean, zone_numbers
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 _MOST_CURVES = 7
 _AROUND = 0.75  # length shown beside the growing zones, over theirs

@@ -7,13 +7,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Intervals
+from ..geometry import Array, Intervals
 from ..output import SERIES, SURFACES, replace_file
 from ..scene import Scene
 from ..simulation import Profile, Profiles
 from . import wall_fields
-
-Array = NDArray[np.float64]
 
 _AROUND = 64  # edges of a ring: its area is 0.16 % less than that of the circle
 _RINGS = 160  # from end to end

@@ -5,10 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Intervals
+from ..geometry import Array, Intervals
 from ..simulation import Profile
-
-Array = NDArray[np.float64]
 
 
 def outline(profile: Profile, finer: int) -> tuple[Array, Array, Array]:

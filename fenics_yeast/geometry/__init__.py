@@ -3,17 +3,38 @@
 Knows neither scenes nor dolfinx: everything here is NumPy and SciPy.
 """
 
-from __future__ import annotations
-
 from .contour import ContourError, read_contour, smooth_contour
-from .curves import NEAR, Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
+from .curves import NEAR, Array, Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
 from .intervals import Interval, Intervals, apart, edges, merged, neck, polar_extent, within
 from .mesh import Discretisation, place_nodes
 from .supports import CONSTRAINED, Edge, End, Pole, Poles
 
 __all__ = [
-    "CONSTRAINED", "NEAR", "Cap", "Capsule", "ContourError", "Curve", "Discretisation", "Edge",
-    "End", "Interval", "Intervals", "Pole", "Poles", "Polygon", "Sphere", "Straight", "apart",
-    "edges", "merged", "neck", "place_nodes", "polar_extent", "read_contour", "smooth_contour",
-    "spheroid", "within",
+    "CONSTRAINED",
+    "NEAR",
+    "Array",
+    "Cap",
+    "Capsule",
+    "ContourError",
+    "Curve",
+    "Discretisation",
+    "Edge",
+    "End",
+    "Interval",
+    "Intervals",
+    "Pole",
+    "Poles",
+    "Polygon",
+    "Sphere",
+    "Straight",
+    "apart",
+    "edges",
+    "merged",
+    "neck",
+    "place_nodes",
+    "polar_extent",
+    "read_contour",
+    "smooth_contour",
+    "spheroid",
+    "within",
 ]  # fmt: skip

@@ -1,7 +1,5 @@
 """Contours traced in a microscope: read, checked, and smoothed into a reference meridian."""
 
-from __future__ import annotations
-
 import warnings
 from functools import lru_cache
 from pathlib import Path

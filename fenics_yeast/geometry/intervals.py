@@ -1,7 +1,5 @@
 """Zones of a wall as intervals of its reference meridian."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A mesh of the meridian: its nodes, what they delimit, and where they are placed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

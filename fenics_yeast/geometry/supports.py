@@ -1,7 +1,5 @@
 """Ends of a meridian: poles, free edges and supported edges, and what each constrains."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 Pole = Literal["top", "bottom"]

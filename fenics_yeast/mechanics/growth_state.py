@@ -14,10 +14,11 @@ import numpy as np
 import ufl
 
 from .. import _dolfinx as dx
+from ..geometry import Array
 from .growth_laws import GrowthRate, WallPoint
 from .growth_weights import WeightField
 from .hyperelasticity import Material
-from .quadrature import Array, QuadraturePoints
+from .quadrature import QuadraturePoints
 
 _CONVERGED = 1e-6  # change of growth strain; the error left by Newton's method is its square
 _MOST_ITERATIONS = 60

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import Intervals
+from ..geometry import Array, Intervals
 from .ordering import Order
-from .quadrature import Array, QuadraturePoints
+from .quadrature import QuadraturePoints
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from typing import Any
 
 from ufl.core.expr import Expr
 
+from ..geometry import Array
 from .growth_weights import Weights
-from .quadrature import Array
 
 Parameter = float | Callable[[Array], Array] | Weights
 """A number, a function of the reference arc length in µm (arrays of one shape in and out), or

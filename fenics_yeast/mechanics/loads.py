@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 
 from .. import _dolfinx as dx
-from ..geometry import NEAR
-from .quadrature import Array
+from ..geometry import NEAR, Array
 
 
 class NodalForce:

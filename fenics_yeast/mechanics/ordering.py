@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from .quadrature import Array, QuadraturePoints
+from ..geometry import Array
+from .quadrature import QuadraturePoints
 
 T = TypeVar("T")
 

@@ -12,9 +12,7 @@ import ufl
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import Intervals
-
-Array = NDArray[np.float64]
+from ..geometry import Array, Intervals
 
 
 @dataclass(frozen=True)

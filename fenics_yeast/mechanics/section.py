@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..geometry import Array
 from .hyperelasticity import Material, scaled
 from .laws import Law, Parameter
-from .quadrature import Array
 from .reference import Reference
 
 # Keeps the pivots of the shear force off zero; beyond it V/V0 agrees with γ = 0 to 10 digits.

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from .. import _dolfinx as dx
-from ..geometry import Discretisation
+from ..geometry import Array, Discretisation
 from . import kinematics
 from .deformation import Deformation
 from .forms import Forms
@@ -14,7 +14,6 @@ from .growth_state import GrowthState
 from .growth_weights import WeightField
 from .laws import Law, Parameter
 from .loads import NodalForce
-from .quadrature import Array
 from .reference import Reference
 from .section import Approximation, Section, WallProperties
 

@@ -3,8 +3,6 @@
 Only rank 0 writes. Reading needs no dolfinx.
 """
 
-from __future__ import annotations
-
 from .errors import DolfinxMissing, OutputError, RunLost
 from .files import FIGURES, MERIDIAN, SERIES, SHAPES, SURFACES, VOLUME, replace_file, writing
 from .interrupts import SIGNALS, interrupt

@@ -1,7 +1,5 @@
 """What can go wrong with an output directory or a run into it; each message is one line."""
 
-from __future__ import annotations
-
 
 class OutputError(Exception):
     """An output directory that cannot be written or read."""

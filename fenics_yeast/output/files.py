@@ -1,7 +1,5 @@
 """Names of the files in an output directory, and how they are written."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Iterator

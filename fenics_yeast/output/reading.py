@@ -1,7 +1,5 @@
 """Read the output directory of a run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from zipfile import BadZipFile
 

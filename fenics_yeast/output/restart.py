@@ -1,7 +1,5 @@
 """Find where a run can resume from its output directory."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 

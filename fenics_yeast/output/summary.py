@@ -1,7 +1,5 @@
 """The summary of a run, `run.json`: the only place that writes and reads it."""
 
-from __future__ import annotations
-
 import json
 import platform
 from collections.abc import Mapping

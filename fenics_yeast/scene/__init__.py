@@ -3,8 +3,6 @@
 A scene is validated once and frozen; inside it every quantity is a number in µm, MPa and min.
 """
 
-from __future__ import annotations
-
 from .cell import Cell
 from .errors import SceneError, value_text
 from .growth import Growth, Polarity

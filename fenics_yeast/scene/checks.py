@@ -1,7 +1,5 @@
 """What several tables of a scene must agree on, and the elements that they need together."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ..geometry import Intervals, neck

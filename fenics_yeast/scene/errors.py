@@ -1,7 +1,5 @@
 """Errors of a scene: the exception, refusals by validators, keys and values as strings."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from pydantic import BaseModel

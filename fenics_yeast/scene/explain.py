@@ -1,7 +1,5 @@
 """One-line messages about what pydantic found wrong in a scene."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import UnionType
 from typing import Annotated, Literal, Union, get_args, get_origin

@@ -1,7 +1,5 @@
 """The table `[growth]` of a scene: where, above which stress, how fast and when the wall grows."""
 
-from __future__ import annotations
-
 from math import inf
 from typing import Annotated, Literal, Self
 

@@ -3,8 +3,6 @@
 A key names a value below a table by the names of a scene file; a number names an entry of a list.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy

@@ -1,7 +1,5 @@
 """The tables `[turgor]`, `[load]` and `[septum]`: what acts on the wall, and where it separates."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Self

@@ -1,7 +1,5 @@
 """The table `[numerics]` of a scene and its presets."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """The tables `[run]` and `[path]` of a scene: a time span, or a path of equilibria."""
 
-from __future__ import annotations
-
 from typing import Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator

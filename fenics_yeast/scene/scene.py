@@ -5,8 +5,6 @@ min, angles in degrees. Strings with a unit (``"100 nm"``, ``"2 atm"``, ``"45 mi
 when read. Every error is a `SceneError` of one line.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Base of the tables of a scene, and the lists in them."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError

@@ -1,7 +1,5 @@
 """The table `[wall]` of a scene: thickness and material of the cell wall."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 

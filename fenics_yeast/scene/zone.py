@@ -1,7 +1,5 @@
 """Zones in the tables of a scene: parts of the unloaded wall."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Self

@@ -4,10 +4,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import Discretisation, Intervals, Pole
+from ..geometry import Array, Discretisation, Intervals, Pole
 from ..mechanics import (
     Approximation,
     Gaussian,
@@ -24,8 +23,6 @@ from ..mechanics import (
 )
 from ..scene import AnyWall, Growth, LinearWall, OgdenWall, PressureTable, Scene, Wall
 from .discretise import discretise
-
-Array = NDArray[np.float64]
 
 
 def strain_energy(material: AnyWall) -> Law:

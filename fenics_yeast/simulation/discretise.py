@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..geometry import (
+    Array,
     Curve,
     Discretisation,
     End,
@@ -22,9 +22,6 @@ from ..geometry import (
     within,
 )
 from ..scene import Polarity, Scene
-
-Array = NDArray[np.float64]
-
 
 _NEAREST = 1e-3  # part of the width of a tip down to which elements get smaller towards it
 

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import Array
 from . import tables
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

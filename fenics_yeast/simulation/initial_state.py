@@ -4,11 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import NEAR
+from ..geometry import NEAR, Array
 from ..mechanics import Shell
 from .profiles import Profile
-
-Array = NDArray[np.float64]
 
 
 def set_initial_state(shell: Shell, profile: Profile | None) -> None:

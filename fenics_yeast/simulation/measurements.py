@@ -4,14 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import NEAR, edges
 from ..mechanics import Order, Shell, WallPoint
 from .profiles import Profile
-
-Array = NDArray[np.float64]
 
 
 class Sizes(NamedTuple):

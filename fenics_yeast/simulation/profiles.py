@@ -5,12 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..geometry import Intervals
+from ..geometry import Array, Intervals
 from . import tables
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..geometry import Array
 from . import tables
 from .history import History, Row
 from .profiles import Profile, Profiles
-
-Array = NDArray[np.float64]
 
 Status = Literal["finished", "no-equilibrium", "failed", "interrupted"]
 

@@ -16,14 +16,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
+from ..geometry import Array
 from ..mechanics import DofValues, PointValues, Shell, ShellState
 from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
-
-Array = NDArray[np.float64]
 
 _MOST_ITERATIONS = 40
 _SIMILAR_STAGES = 0.1  # relative difference of stages that may share a tangent

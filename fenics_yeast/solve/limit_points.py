@@ -10,8 +10,8 @@ from math import copysign
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry import Array
 from ..mechanics import Shell
 from .continuation import BorderedNewton
 from .equilibrium import EquilibriumError
@@ -19,7 +19,6 @@ from .path_following import LEAST_STEP, PathError
 from .runge_kutta import TABLEAUX
 from .time_stepper import TimeStepper
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 _LARGEST_STEP = 0.02  # of the volume; smaller for a higher precision

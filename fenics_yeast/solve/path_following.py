@@ -12,14 +12,13 @@ from math import copysign, hypot
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry import Array
 from ..mechanics import Shell
 from .continuation import BorderedNewton
 from .equilibrium import EquilibriumError
 from .predictor import extrapolate
 
-Array = NDArray[np.float64]
 Control = Literal["pressure", "volume", "arc-length", "force", "displacement"]
 
 LEAST_STEP = 2.0**-10  # of the first step

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..geometry import Array
+
 Solution = tuple[float, Array]
 """Parameter (time in min, or length along a path) and the solution there."""
 

@@ -13,9 +13,8 @@ R. Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..geometry import Array
 
 
 @dataclass(frozen=True)

@@ -10,15 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
+from ..geometry import Array
 from ..mechanics import DofValues, PointValues, Shell, ShellState
 from .equilibrium import Equilibrium, EquilibriumError
 from .predictor import Predictor
 from .runge_kutta import ButcherTableau
-
-Array = NDArray[np.float64]
 
 _STABLE = 1.8  # step times decay rate at which forward Euler damps; its stability limit is 2
 _INCREMENT = 1e-7  # of the growth strain, to differentiate the growth rate

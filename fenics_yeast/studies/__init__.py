@@ -3,8 +3,6 @@
 Cases run side by side in processes or on MPI ranks, each into a directory of its own.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from .cases import Case, parse_variation, plan, value_label

@@ -1,7 +1,5 @@
 """Cases of a sweep: the product of lists of values, each case a validated scene."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -5,21 +5,18 @@ as `n^-p` is `1 / (1 - (n / m)^p)` times the difference between n and m. Absolut
 parts are added, so that they cannot cancel.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, isinf
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry import Array
 from ..scene import Scene
 from ..simulation import ErrorBars, Observer, Result, simulate
 from ..solve import TABLEAUX
 
-Array = NDArray[np.float64]
 Part = Literal["time_steps", "mesh", "thickness_points", "shear_penalty"]
 
 _FINER_MESH, _FINER_WALL = 1.5, 1.6

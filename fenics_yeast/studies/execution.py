@@ -5,8 +5,6 @@ process ends other cases. Running cases stop between two accepted steps, never w
 writing.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 from collections import deque

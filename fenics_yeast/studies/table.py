@@ -1,7 +1,5 @@
 """The table of a sweep: the result of each case, read from its directory."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
