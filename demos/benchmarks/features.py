@@ -1,7 +1,7 @@
 """Cost of each feature of a scene: DOFs, growth strains, time of a Newton iteration.
 
 The table of `docs/cost.md`, which `--write` replaces. Every scene is run twice and the second run
-counts, so that nothing is compiled in it; the least of some runs is told.
+counts, so that nothing is compiled in it; the minimum of several runs is reported.
 """
 
 from __future__ import annotations

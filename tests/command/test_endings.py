@@ -1,4 +1,4 @@
-"""How runs of the command end early: exit status, what is told, what is left."""
+"""How runs of the command end early: exit status, message, what is kept."""
 
 import json
 import shutil

@@ -128,7 +128,7 @@ def test_a_history_cut_anywhere_reads_up_to_the_last_whole_line(
         assert len(read_history(tmp_path)) == expected
 
 
-def test_damage_is_told_with_its_place(tmp_path: Path, scene: Scene) -> None:
+def test_damage_is_reported_with_its_place(tmp_path: Path, scene: Scene) -> None:
     with OutputFolder(tmp_path, scene) as folder:
         folder.accepted(a_row(0.0))
     with open(tmp_path / "history.csv", "a") as file:
@@ -177,7 +177,7 @@ def test_a_file_of_somebody_else_is_never_overwritten(
     assert (tmp_path / name).read_text() == "precious"
 
 
-def test_a_place_that_cannot_be_written_is_told_in_a_line(tmp_path: Path, scene: Scene) -> None:
+def test_an_unwritable_place_is_reported_on_one_line(tmp_path: Path, scene: Scene) -> None:
     file = tmp_path / "file"
     file.write_text("")
     for place in (file, file / "below"):

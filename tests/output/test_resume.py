@@ -341,7 +341,7 @@ def test_a_damaged_checkpoint_is_refused(finished: Path) -> None:
         path.write_bytes(whole[:length])
         refused(run("--resume"), "checkpoint.npz: is damaged")
     harmful = 0
-    for _ in range(40):  # a bit here or there: told, or of no matter
+    for _ in range(40):  # a flipped bit is reported, or has no effect
         at = source.randrange(len(whole))
         content = bytearray(whole)
         content[at] ^= 1 << source.randrange(8)

@@ -76,7 +76,7 @@ def test_without_a_mirror(machine: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.process
 @pytest.mark.skipif(not DEBIAN_DOLFINX, reason="dolfinx is not that of Debian")
-def test_a_network_without_pypi_is_told_and_no_harm(tmp_path: Path) -> None:
+def test_a_network_without_pypi_is_reported_and_does_no_harm(tmp_path: Path) -> None:
     """In a folder with a space, with another python3 first on PATH and a NumPy in the home."""
     assert MAKE is not None
     clone, home = tmp_path / "my clone", tmp_path / "home"

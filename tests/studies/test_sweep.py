@@ -111,7 +111,7 @@ def test_cases_are_the_product_of_the_lists(bud: Scene) -> None:
         ("wall.thickness=1:9:3", "less than the cell's radius"),
     ],
 )
-def test_what_cannot_be_planned_is_told_in_a_line(bud: Scene, text: str, words: str) -> None:
+def test_an_invalid_plan_is_refused_in_one_line(bud: Scene, text: str, words: str) -> None:
     with pytest.raises(SceneError) as refusal:
         plan(bud, [parse_variation(text)])
     assert words in str(refusal.value) and "\n" not in str(refusal.value)
@@ -206,7 +206,7 @@ def test_no_equilibrium_is_an_answer(here: Path) -> None:
         (("--vary", "growth.time=3", "--out", "small.toml"), "small.toml: is a file"),
     ],
 )
-def test_what_is_wrong_is_told_before_anything_runs(
+def test_errors_are_reported_before_anything_runs(
     here: Path, arguments: tuple[str, ...], words: str
 ) -> None:
     done = sweep(*arguments)
@@ -216,7 +216,7 @@ def test_what_is_wrong_is_told_before_anything_runs(
 
 
 @pytest.mark.process
-def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
+def test_a_table_that_is_not_from_a_sweep_is_not_overwritten(here: Path) -> None:
     (here / "sweep").mkdir()
     (here / "sweep" / "sweep.csv").write_text("my,own\n1,2\n")
     done = sweep("--vary", "growth.time=3")
