@@ -56,7 +56,7 @@ def examine() -> Iterator[Finding]:
     """Check everything that a run needs; import dolfinx and compile a form in another process."""
     from importlib.metadata import version
 
-    yield Finding("fenics-yeast", f"{version('fenics-yeast')} in {Path(__file__).parent}")
+    yield Finding("fenics-yeast", f"{version('fenics-yeast')} in {Path(__file__).parents[1]}")
     yield Finding("Python", f"{platform.python_version()}, {sys.executable}")
     yield _libraries()
     yield _cache()

@@ -78,12 +78,12 @@ class ProgressLine:
             BarColumn(bar_width=24),
             TextColumn("{task.fields[state]}"),
             TimeRemainingColumn(),
-            TextColumn("left"),
+            TextColumn("{task.fields[left]}"),
             console=self._console,
             transient=True,
             speed_estimate_period=600,
         )
-        self._task = self._progress.add_task(scene.name, total=None, state="setting up")
+        self._task = self._progress.add_task(scene.name, total=None, state="setting up", left="")
 
     def __enter__(self) -> Self:
         self._progress.start()
@@ -94,10 +94,10 @@ class ProgressLine:
 
     def accepted(self, row: Row) -> None:
         """Show an accepted state."""
-        state = f"V/V0 = {row.volume_ratio:.4f}"
+        time, left, state = row.time_min, "", f"V/V0 = {row.volume_ratio:.4f}"
         if self._end is not None:
-            state = f"{row.time_min:.1f} of {self._end:g} min   {state}"
-        self._progress.update(self._task, total=self._end, completed=row.time_min, state=state)
+            left, state = "left", f"{time:.1f} of {self._end:g} min   {state}"
+        self._progress.update(self._task, total=self._end, completed=time, state=state, left=left)
 
     def saved(self, profile: Profile) -> None:
         """Show nothing; the table at the end has it."""
@@ -114,7 +114,7 @@ class ProgressLine:
     def refining(self, part: str) -> None:
         """Show which part is refined for the error bars."""
         state = f"error bars: {part.replace('_', ' ')} refined"
-        self._progress.update(self._task, total=None, state=state)
+        self._progress.update(self._task, total=None, state=state, left="")
 
     def summary(self, result: Result, place: str) -> None:
         """Print a table of the saved times, how the run ended and its output directory."""

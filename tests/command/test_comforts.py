@@ -53,6 +53,8 @@ def test_info_reports_a_working_installation() -> None:
     subjects = [line.split()[0] for line in done.stdout.splitlines()]
     assert {"fenics-yeast", "Python", "dolfinx", "MPI", "compiler", "form"} <= set(subjects)
     assert "PETSc" in done.stdout and "a form compiled" in done.stdout
+    package = done.stdout.split("\n")[0].split(" in ")[1]
+    assert Path(package, "scene", "scene.py").exists()
 
 
 @pytest.mark.process
