@@ -1,19 +1,19 @@
-# Every target does its own set-up; run again, the set-up is one look at the package database.
-# Targets and prerequisites are relative names, so that the folder may have spaces in its path.
+# Every target does its own set-up; if nothing is missing, this costs one dpkg-query call.
+# Targets and prerequisites are relative names, so that the path may contain spaces.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 
-# Debian's dolfinx belongs to Debian's Python, whichever other python3 comes first on PATH.
+# Debian's dolfinx needs Debian's Python, even if another python3 comes first on PATH.
 SYSTEM_PYTHON := /usr/bin/python3
-# python3-dolfinx brings the C compiler, mpirun, NumPy and SciPy; the other libraries come from pip.
+# python3-dolfinx includes the C compiler, mpirun, NumPy and SciPy; pip installs the other libraries.
 PACKAGES := python3-dolfinx python3-venv
 PYTHON := .venv/bin/python
 # More arguments for pytest: make test ARGS="-k sphere"
 ARGS ?=
-# What pytest runs under.
+# Program that runs pytest, such as coverage.
 MEASURED ?=
 
 export PYTHONNOUSERSITE := 1
@@ -24,14 +24,14 @@ export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 export OMPI_MCA_rmaps_base_oversubscribe := 1
 export OMPI_MCA_mpi_yield_when_idle := 1
-# Without ofi, which Open MPI 5 takes a second to look for once this is set.
+# Without ofi, for which Open MPI 5 would search for a second.
 export OMPI_MCA_btl := ^tcp,ofi
-# Else the ranks of every run wait for the same first cores.
+# Otherwise the ranks of all runs share the same first cores.
 export OMPI_MCA_hwloc_base_binding_policy := none
 export PRTE_MCA_hwloc_default_binding_policy := none
 export PRTE_MCA_rmaps_default_mapping_policy := :oversubscribe
 
-# A .venv works only in the folder and with the Python that it was made for: the stamp holds both.
+# A .venv works only in its directory and with its Python, which the stamp records.
 ifneq "$(file <.venv/.installed)" "$(CURDIR) $(realpath $(SYSTEM_PYTHON))"
 .venv/.installed: FORCE
 endif
@@ -42,18 +42,22 @@ help:  ## print this list
 	@sed -nE 's/^([a-z0-9-]+):.*## (.*)/  \1\t\2/p' Makefile | expand -t 18
 
 .PHONY: demo
-demo: setup  ## the paper's budding cell: volumes, pictures and data
+demo: setup  ## the paper's budding cell: volumes, figures and data
 	@.venv/bin/fenics-yeast run demos/scenes/bud.toml
-	@echo "Pictures: out/bud/figures/shapes.png, volume.png; data: out/bud/history.csv, profiles.npz"
+	@echo "Figures: out/bud/figures/shapes.png, volume.png; data: out/bud/history.csv, profiles.npz"
 
 .PHONY: test
 test: .venv/.installed-test  ## all tests; ARGS="..." goes to pytest
 	@$(PYTHON) $(MEASURED) -m pytest $(ARGS)
 
+.PHONY: test-fast
+test-fast: .venv/.installed-test  ## the tests that take less than a minute
+	@$(PYTHON) $(MEASURED) -m pytest -m "not slow and not process and not ranks" $(ARGS)
+
 .PHONY: test-ranks
-test-ranks: .venv/.installed-test  ## those marked `ranks`, on two ranks and on three
+test-ranks: .venv/.installed-test  ## tests marked `distributed`, on two and three ranks
 	@for n in 2 3; do \
-	    timeout 600 mpirun -n $$n $(PYTHON) -m pytest --color=no -m ranks $(ARGS) || \
+	    timeout 600 mpirun -n $$n $(PYTHON) -m pytest --color=no -m distributed $(ARGS) || \
 	        { echo "error: the tests failed on $$n ranks" >&2; exit 1; }; \
 	done
 
@@ -62,15 +66,15 @@ test-debian13:  ## demo and tests on Debian 13, in a tree of its own (needs root
 	@.ci/debian13 $(ARGS)
 
 .PHONY: test-container
-test-container:  ## build the image and try it (docker, podman, or as root buildah; ARGS as above)
+test-container:  ## build and test the image (docker, podman, or as root buildah; ARGS as above)
 	@docker/test.sh $(ARGS)
 
 .PHONY: package
-package: .venv/.installed-dev  ## sdist and wheel in dist/, each tried in a clean environment
+package: .venv/.installed-dev  ## sdist and wheel in dist/, each tested in a clean environment
 	@.ci/package
 
 .PHONY: coverage
-coverage: .venv/.installed-dev  ## all tests, and the lines that they do not reach
+coverage: .venv/.installed-dev  ## all tests, and the lines that they miss
 	@status=0; $(MAKE) --no-print-directory test MEASURED="-m coverage run" || status=$$?; \
 	$(PYTHON) -m coverage report --skip-covered --show-missing; exit $$status
 
@@ -91,35 +95,35 @@ clean:  ## remove results, caches and builds (the set-up in .venv stays)
 	    -prune -exec rm -rf {} +
 
 .PHONY: setup
-setup: .venv/.installed  ## Debian packages and .venv, when they are missing or out of date
+setup: .venv/.installed  ## Debian packages and .venv, if missing or out of date
 
 .venv/.installed: pyproject.toml | debian-packages
 	@echo "Setting up .venv (under a minute)"
 	@$(SYSTEM_PYTHON) -c 'import dolfinx' || \
 	    { echo "error: dolfinx cannot be imported; run: apt-get install --reinstall $(PACKAGES)" >&2; exit 1; }
 	@$(SYSTEM_PYTHON) -m venv --system-site-packages .venv
-	@# Nor may one in ~/.local take its place, when the command is called without make.
+	@# Packages in ~/.local must not be used either, when the command is called without make.
 	@echo 'import site; site.ENABLE_USER_SITE = False' \
 	    > "$$($(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/no_user_site.pth"
-	@# petsc4py and dolfinx are built for Debian's NumPy: pip must not bring another one.
+	@# petsc4py and dolfinx are built for Debian's NumPy, which pip must not replace.
 	@$(SYSTEM_PYTHON) -c 'import numpy; print(f"numpy=={numpy.__version__}")' > .venv/constraints.txt
 	@$(call pip-install,.)
 	@echo "$$(pwd -P) $$(readlink -f $(SYSTEM_PYTHON))" > $@
 
 .venv/.installed-test: .venv/.installed
-	@echo "Adding what the tests need to .venv (VTK among it, 100 MB)"
+	@echo "Installing the test libraries in .venv (100 MB, mostly VTK)"
 	@$(call pip-install,.[test])
 	@touch $@
 
 .venv/.installed-dev: .venv/.installed-test
-	@echo "Adding the tools for development to .venv"
+	@echo "Installing the development tools in .venv"
 	@$(call pip-install,.[test$(comma)dev])
 	@touch $@
 
 comma := ,
 define pip-install
 $(PYTHON) -m pip install --quiet --constraint .venv/constraints.txt --editable '$(1)' || \
-    { echo "error: pip could not install the libraries; with a network that reaches PyPI, run make again" >&2; exit 1; }
+    { echo "error: pip could not install the libraries; check that PyPI can be reached, then run make again" >&2; exit 1; }
 endef
 
 .PHONY: debian-packages
@@ -129,15 +133,15 @@ debian-packages:
 	if [ "$${installed:-0}" -eq $(words $(PACKAGES)) ]; then exit 0; fi; \
 	fail() { echo "error: $$1; as root, run: apt-get update && apt-get install $(PACKAGES)" >&2; exit 1; }; \
 	command -v apt-get >/dev/null || \
-	    { echo "error: no apt-get here: fenics-yeast needs Debian 12 or 13 with $(PACKAGES)" >&2; exit 1; }; \
+	    { echo "error: apt-get is missing; fenics-yeast needs Debian 12 or 13 with $(PACKAGES)" >&2; exit 1; }; \
 	if [ "$$(id -u)" -eq 0 ]; then root=; else root=sudo; \
-	    command -v sudo >/dev/null || fail "Debian packages are missing, and there is no sudo"; fi; \
+	    command -v sudo >/dev/null || fail "Debian packages and sudo are missing"; fi; \
 	echo "Installing from Debian: $(PACKAGES), and what they need (minutes)"; \
 	log=$$(mktemp); apt="$$root env DEBIAN_FRONTEND=noninteractive apt-get --quiet --option DPkg::Lock::Timeout=300"; \
 	{ $$apt --error-on=any update || apt="$$apt --option Acquire::Retries=0"; \
 	    $$apt install --yes --no-install-recommends $(PACKAGES); } > "$$log" 2>&1 || \
 	    { tail -n 5 "$$log" >&2; \
-	    fail "the Debian packages could not be installed; is there a network? (all of apt's words: $$log)"; }; \
+	    fail "the Debian packages could not be installed; check the network (log of apt: $$log)"; }; \
 	rm -f "$$log"
 
 .PHONY: FORCE

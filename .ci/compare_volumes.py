@@ -1,16 +1,17 @@
 """Compare the volumes of the demo on two platforms, from their output folders."""
 
-import json
 import sys
 from pathlib import Path
 
-from fenics_yeast.output.reading import load_history
+from fenics_yeast.output import read_history, read_summary
 
 folders = [Path(name) for name in sys.argv[1:]]
 for folder in folders:
-    versions = json.loads((folder / "run.json").read_text())["versions"]
-    print(", ".join(f"{name} {version}" for name, version in versions.items()))
-here, there = (load_history(folder) for folder in folders)
+    summary = read_summary(folder)
+    if summary is None:
+        sys.exit(f"{folder}: no run.json; the run has not ended")
+    print(", ".join(f"{name} {version}" for name, version in summary.versions.items()))
+here, there = (read_history(folder) for folder in folders)
 if list(here.time_min) != list(there.time_min):
     sys.exit("the platforms took other steps")
 agree = True

@@ -1,6 +1,6 @@
 """Figure 4 of the paper: a bud grows out of a yeast cell.
 
-A spherical cell, 5 µm across, with a wall of 100 nm and a shear modulus of 40 MPa, bears a turgor
+A spherical cell, 5 µm across, with a wall of 100 nm and a shear modulus of 40 MPa, carries a turgor
 of 2 atm, applied in 0.01 min and then held. Its top grows where the stress exceeds 1 MPa, with
 the characteristic time 45 min; the rest of the cell remains elastic. As in the paper: 480 conical
 two-node elements with reduced integration, steps of 0.2 min.
@@ -9,7 +9,7 @@ two-node elements with reduced integration, steps of 0.2 min.
 from pathlib import Path
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.figures.run_figures import shapes
+from fenics_yeast.figures import shapes
 
 scene = Scene.load(Path(__file__).parent / "scenes" / "bud.toml")
 result = simulate(scene)

@@ -8,7 +8,7 @@ characteristic time 30 min this comes before 90 min are over, and the curve ends
 from pathlib import Path
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.figures.run_figures import Curve, volumes
+from fenics_yeast.figures import Curve, volumes
 
 bud = Scene.load(Path(__file__).parent / "scenes" / "bud.toml")
 

@@ -7,7 +7,7 @@ threshold is equivalent to varying the turgor; the second part measures how far 
 from pathlib import Path
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.figures.run_figures import Curve, volumes
+from fenics_yeast.figures import Curve, volumes
 
 bud = Scene.load(Path(__file__).parent / "scenes" / "bud.toml")
 bud = bud.with_values({"run.save": [20, 40, 60, 90]})

@@ -8,7 +8,7 @@ from pathlib import Path
 import ufl
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.figures.run_figures import Curve, volumes
+from fenics_yeast.figures import Curve, volumes
 from fenics_yeast.mechanics import Law
 
 

@@ -1,4 +1,4 @@
-"""Mother and daughter: a septum closes the neck at 85 min, and both go on as cells of their own.
+"""Mother and daughter: a septum closes the bud neck at 85 min, and both continue as separate cells.
 
 The septum is a rigid disc: it holds radius and rotation of the wall at the neck. Each piece begins
 with the wall as the cut has left it, so that nothing moves at the cut and the two volumes add up to

@@ -1,7 +1,7 @@
 """Speed against error: what the volume curve of the budding cell costs, scheme by scheme.
 
 The bud of the paper grows for 90 min. Every scheme is run on it with coarse and fine settings:
-Runge-Kutta methods in time, elements of degree 1 to 4 on equal and on graded cells, points through
+Runge-Kutta methods in time, elements of degree 1 to 4, equal and graded, points through
 the thickness, shear penalties. The error is the largest relative one of V/V0 at 40, 70, 80 and
 90 min; the truth is a far finer run, itself held against volumes that two other programs have
 computed. The time is that of the time stepping alone, the least of several runs after a first one
@@ -159,9 +159,9 @@ def truth(name: str, quick: bool) -> np.ndarray:
     return fine + (fine - coarse) / ((many / few) ** 2 - 1)  # about second order
 
 
-def error(found: np.ndarray, wanted: np.ndarray) -> float:
+def error(found: np.ndarray, reference: np.ndarray) -> float:
     """Largest relative error."""
-    return float(np.abs(found / wanted - 1).max())
+    return float(np.abs(found / reference - 1).max())
 
 
 def measure(schemes: list[Scheme], repeats: int, quick: bool) -> list[Measured]:
@@ -269,7 +269,7 @@ def main() -> None:
         table.writerows(asdict(row) for row in rows)
     draw(rows, floor_s, out / "speed_against_error.png")
     print(f"Figure and table: {out}/speed_against_error.png, .csv")
-    print("\n| wanted error of V/V0 | error found | time of the loop |\n|---|---|---|")
+    print("\n| requested error of V/V0 | error found | time of the loop |\n|---|---|---|")
     wanted = {f"tolerance {tolerance:g}": tolerance for tolerance in WANTED}
     for row in rows:
         if row.line == PRESET and row.setting in wanted:

@@ -5,8 +5,6 @@
 >>> result.history.volume_ratio
 """
 
-from __future__ import annotations
-
 import os
 from typing import TYPE_CHECKING, Any
 

@@ -3,8 +3,6 @@
 Known to run: dolfinx 0.5 (Debian 12), 0.9 (Debian 13) and 0.11 (PyPI).
 """
 
-from __future__ import annotations
-
 import contextlib
 import logging
 from collections.abc import Callable, Iterator, Sequence
@@ -45,6 +43,7 @@ except ImportError:  # dolfinx 0.5 describes elements in ufl
     basix_ufl = None
 
 from . import _form_cache
+from .geometry import NEAR
 
 _ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
 _NEW_SPACES = hasattr(fem, "functionspace")
@@ -109,10 +108,7 @@ def element_tags(mesh: Any, values: NDArray[np.int32]) -> Any:
 
 def end_tag(mesh: Any, S: float) -> Any:
     """Return the tag 1 at the end of the mesh at arc length `S`."""
-    tolerance = 1e-9 * max(abs(S), 1.0)
-    vertices = dolfinx.mesh.locate_entities_boundary(
-        mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
-    )
+    vertices = _end_vertices(mesh, S)
     ones = np.ones(len(vertices), dtype=np.int32)
     return dolfinx.mesh.meshtags(mesh, 0, vertices, ones)
 
@@ -126,11 +122,13 @@ def element_vertices(mesh: Any) -> NDArray[np.int32]:
 
 def end_dofs(space: Any, component: int, S: float) -> NDArray[np.int32]:
     """Return the DOFs of a component of the motion at the end of the mesh at `S`."""
-    tolerance = 1e-9 * max(abs(S), 1.0)
-    vertices = dolfinx.mesh.locate_entities_boundary(
-        space.mesh, 0, lambda x: np.abs(x[0] - S) < tolerance
-    )
-    return fem.locate_dofs_topological(motion_part(space, component), 0, vertices)
+    part = motion_part(space, component)
+    return fem.locate_dofs_topological(part, 0, _end_vertices(space.mesh, S))
+
+
+def _end_vertices(mesh: Any, S: float) -> Any:
+    near = NEAR * max(abs(S), 1.0)
+    return dolfinx.mesh.locate_entities_boundary(mesh, 0, lambda x: np.abs(x[0] - S) < near)
 
 
 def motion_part(space: Any, component: int) -> Any:
@@ -199,9 +197,8 @@ def size_of(space: Any) -> int:
 def quadrature_space(mesh: Any, size: int, degree: int) -> Any:
     """Return the space of vectors of a size at the quadrature points of a degree."""
     if basix_ufl is not None:
-        element = basix_ufl.quadrature_element(
-            mesh.basix_cell(), value_shape=(size,), degree=degree
-        )
+        cell = mesh.basix_cell()
+        element = basix_ufl.quadrature_element(cell, value_shape=(size,), degree=degree)
     else:
         element = ufl.VectorElement(
             "Quadrature", mesh.ufl_cell(), degree=degree, dim=size, quad_scheme="default"

@@ -5,8 +5,6 @@ dead. Here one process compiles at a time, under a lock that ends with it, in a 
 own: anything unfinished while the lock is held was abandoned, and is compiled again.
 """
 
-from __future__ import annotations
-
 import atexit
 import fcntl
 import os

@@ -1,7 +1,6 @@
 """Scenes, meshes and ways to run that several tests share."""
 
 import csv
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -11,16 +10,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from support.ranks import RANKS
+from support import ranks
 from support.scenes import SMALL
 
-from fenics_yeast import Scene, simulate
-from fenics_yeast import _dolfinx as dx
+# Nothing that loads dolfinx, which the tests of scenes and geometry do without.
+from fenics_yeast import Scene
 from fenics_yeast.scene import Cell, Growth, Numerics, Run, Turgor, Wall, Zone, parse_assignment
 from fenics_yeast.simulation import Result
 
 DATA = Path(__file__).parent / "data"
-# The container, which takes all from Debian, is spared the size of VTK; `make test` brings it.
+# The container takes all from Debian and goes without VTK for its size; `make test` installs it.
 collect_ignore = [] if find_spec("vtkmodules") else ["figures/test_surface.py"]
 
 
@@ -29,20 +28,24 @@ Table = list[dict[str, str]]
 
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config: pytest.Config) -> None:
-    """Under mpirun, show the tests of rank 0 alone."""
-    if dx.MPI.COMM_WORLD.rank > 0:
+    """Under mpirun, show only the tests of rank 0."""
+    world = ranks.world()
+    if world is not None and world.rank > 0:
         config.pluginmanager.unregister(name="terminalreporter")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What the documents show comes first: a reader tries that."""
+    """Run what the documents show first, for a reader tries that; mark what starts mpirun."""
     items.sort(key=lambda item: item.path.name != "test_docs.py")
+    for item in items:
+        if "mpirun" in getattr(item, "fixturenames", ()):
+            item.add_marker("ranks")
 
 
 def pytest_exception_interact(node: pytest.Item, report: pytest.TestReport) -> None:
     """Under mpirun, end all ranks when a test fails on one, which the others would wait for."""
-    world = dx.MPI.COMM_WORLD
-    if world.size > 1:
+    world = ranks.world()
+    if world is not None and world.size > 1:
         print(f"rank {world.rank}: {node.nodeid}\n{report.longreprtext}", file=sys.__stderr__)
         world.Abort(1)
 
@@ -103,7 +106,7 @@ def fine_scene(cell_scene: Scene) -> Scene:
 
 @pytest.fixture(scope="session")
 def sphere_scene(fine_scene: Scene) -> Scene:
-    """A sphere that grows everywhere, on few cells: its solution is smooth."""
+    """A sphere that grows everywhere, on few elements: its solution is smooth."""
     return fine_scene.with_values(
         {
             "growth.zone.half_angle": 180.0,
@@ -125,6 +128,8 @@ def reference_run(
     cell_scene: Scene, fine_scene: Scene, read_table: Callable[[str], Table]
 ) -> Callable[[str, int], SimpleNamespace]:
     """Run a case of `volumes.csv`: its result and the table's V/V0 by time. Each runs once."""
+    from fenics_yeast import simulate
+
     table = read_table("volumes.csv")
     done: dict[tuple[str, int], SimpleNamespace] = {}
 
@@ -157,26 +162,25 @@ def bud_run(reference_run: Callable[[str, int], SimpleNamespace]) -> Result:
 
 @pytest.fixture(scope="session")
 def one_element():
-    """A mesh of one cell on one rank, on which functions of constants can be evaluated."""
+    """A mesh of one element on one rank, on which functions of constants can be evaluated."""
+    from fenics_yeast import _dolfinx as dx
+
     return dx.interval_mesh(dx.MPI.COMM_SELF, np.array([0.0, 1.0]))
 
 
 @pytest.fixture
 def mpirun(tmp_path: Path) -> Callable[[str, int], Path]:
-    """Run a Python text on a number of ranks, in a folder that is returned."""
+    """Run a Python text on a number of ranks, in a directory that is returned."""
 
-    def run(text: str, ranks: int) -> Path:
-        folder = tmp_path / f"{ranks}-ranks"
+    def run(text: str, number: int) -> Path:
+        folder = tmp_path / f"{number}-ranks"
         folder.mkdir()
         script = folder / "script.py"
         script.write_text(text)
-        own = ("OMPI_", "PMIX_", "PRTE_")  # of an mpirun that the tests run under
-        outside = {k: v for k, v in os.environ.items() if not k.startswith(own)}
-        environment = outside | RANKS
-        command = ["mpirun", "-n", str(ranks), sys.executable, str(script)]
         done = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600
-        )
+            [*ranks.mpirun(number), sys.executable, str(script)],
+            cwd=folder, env=ranks.environment(), capture_output=True, text=True, timeout=600,
+        )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr
         return folder
 

@@ -1,4 +1,4 @@
-"""Where the time of a run goes, and how it grows with cells and points through the thickness.
+"""Where the time of a run goes, and how it grows with elements and points through the thickness.
 
 The time stepping of the bud, set-up and output excluded. The parts are timed one within another:
 what is left to Python is the loop less all that is compiled. The first time, compiling the forms of

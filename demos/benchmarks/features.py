@@ -1,7 +1,7 @@
-"""What each feature of a scene costs: unknowns, numbers of state, time of a Newton iteration.
+"""Cost of each feature of a scene: DOFs, growth strains, time of a Newton iteration.
 
 The table of `docs/cost.md`, which `--write` replaces. Every scene is run twice and the second run
-counts, so that nothing is compiled in it; the least of some runs is told.
+counts, so that nothing is compiled in it; the minimum of several runs is reported.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ FEATURES: dict[str, dict[str, object]] = {
     "same, elastic, one equilibrium": STATIC,
     "bending off": {"wall.bending": False},
     "bending off, elastic, one equilibrium": {**STATIC, "wall.bending": False},
-    "3 thickness points": {"numerics.thickness_points": 3},
+    "3 integration points": {"numerics.thickness_points": 3},
     "capsule": {"cell": {"shape": "capsule", "diameter": 5, "length": 8}},
     "Ogden wall of two terms": {
         "wall": {"thickness": 0.1, "shear_moduli": [30, 10], "ogden_exponents": [2, 4]}
     },
-    "linear wall": {"wall": LINEAR},
+    "Saint Venant-Kirchhoff wall": {"wall": LINEAR},
     "energy per grown volume": {"wall.energy_per": "grown"},
     "wall that thins": {"wall.thickness_change": "elastic"},
     "point force": {"load": {"point_force": "-0.01 uN"}},
@@ -51,7 +51,7 @@ FEATURES: dict[str, dict[str, object]] = {
 
 
 def measured(values: dict[str, object]) -> tuple[int, int, int, float]:
-    """Unknowns, numbers of state, Newton iterations, microseconds of each."""
+    """DOFs, growth strains, Newton iterations, microseconds of each."""
     scene = BUD.with_values(values)
     shell = build_shell(scene)
     state = 0 if shell.growth is None else shell.growth.get().size
@@ -62,7 +62,7 @@ def measured(values: dict[str, object]) -> tuple[int, int, int, float]:
 
 def table() -> str:
     lines = [
-        "| scene | unknowns | state | iterations | µs per iteration |",
+        "| scene | DOFs | growth strains | iterations | µs per iteration |",
         "|---|---|---|---|---|",
     ]
     for name, values in FEATURES.items():
@@ -72,14 +72,15 @@ def table() -> str:
     return "\n".join(lines)
 
 
-TEXT = """# What each feature costs
+TEXT = """# Cost of each feature
 
-The paper's bud in the preset `"default"`, to 40 min, with one thing changed at a time. A scene pays
-for what it uses alone: without growth there is no state at the points and no update; without
-bending neither rotation nor shear force nor thickness points; a force is a number added to the
-residual; what a law does not use is not in its compiled forms, and other numbers compile nothing
-anew. More unknowns come from more cells, at joints, at edges of zones and about a point force.
-Least of {repeats} runs on a shared machine; written by `demos/benchmarks/features.py --write`.
+The paper's bud in the preset `"default"`, to 40 min, with one thing changed at a time. A scene
+pays only for what it uses. Without growth, there are no growth strains and no update; without
+bending, neither rotation, shear force nor integration points through the thickness. A force is a
+number added to the residual. Compiled forms contain only what a law uses, and new numbers need no
+recompilation. More DOFs come from more elements, at joints, at edges of zones and near a point
+force. Minimum of {repeats} runs on a shared machine; written by `demos/benchmarks/features.py
+--write`.
 
 {table}
 """

@@ -5,7 +5,7 @@ Numer. Meth. Eng. 18, 1982, 477-502: r from 7.62 to 2.54, rise 1.27, thickness 0
 ν = 0.3, the outer edge held along the axis; load per length of the inner edge.
 
 The published loads are 4 to 6 % above ours up to the flat state, and 7 % below at the minimum. An
-axisymmetric solid of the same dimensions, with quadratic cells, Green and Lagrange's strain and the
+axisymmetric solid of the same dimensions, with quadratic elements, Green-Lagrange strain and the
 same law, says that ours are right, to 1 %: loads and supports at the corners in place of the
 mid-surface move it by less than half of the gap. A rise of 1.30 would bring all five within 3 % of
 theirs. All five lie between ours and those of a cross-section that turns without bending,

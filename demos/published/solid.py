@@ -17,7 +17,7 @@ import ufl
 from fenics_yeast._dolfinx import MPI, PETSc, dolfinx, fem  # found wherever they come from
 from fenics_yeast._dolfinx import basix_ufl as elements
 
-logging.getLogger().setLevel(logging.WARNING)  # compiling is told as INFO
+logging.getLogger().setLevel(logging.WARNING)  # compilation is reported as INFO
 
 _MOST_ITERATIONS = 25
 _REDUCTION, _LEAST = 1e-9, 1e-11  # of the residual's norm

@@ -1,6 +1,4 @@
-"""Keys and values of scenes, as the shell completes them after `--set` and `--vary`."""
-
-from __future__ import annotations
+"""Shell completion of keys and values after `--set` and `--vary`."""
 
 from typing import Any, Literal, get_args, get_origin
 
@@ -8,7 +6,7 @@ from ..scene import Scene, keys_of
 
 
 def assignments(incomplete: str) -> list[tuple[str, str]]:
-    """What may follow, with its description: ``growth.time=``, or ``numerics.preset=paper``."""
+    """Return completions with descriptions: ``growth.time=``, ``numerics.preset=paper``."""
     key, equals, _ = incomplete.partition("=")
     fields = dict(keys_of(Scene))
     if not equals:

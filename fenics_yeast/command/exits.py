@@ -1,6 +1,4 @@
-"""How a command ends: its exit status, the line that says why, and the signals that end it."""
-
-from __future__ import annotations
+"""How a command ends: exit status, message and signals."""
 
 import os
 import signal
@@ -12,30 +10,27 @@ from typing import Any, NoReturn
 import typer
 
 from ..output import SIGNALS, interrupt
+from ..simulation import EXIT_STATUS
 
-BROKEN, BAD_INPUT, NO_EQUILIBRIUM, FAILED, INTERRUPTED = 1, 2, 3, 4, 130
-EXIT = {
-    "finished": 0,
-    "no-equilibrium": NO_EQUILIBRIUM,
-    "failed": FAILED,
-    "interrupted": INTERRUPTED,
-}
-# Set by mpirun and srun for each rank. Without them MPI is not even loaded: a process that has
-# initialised it can start no other one that would.
+BROKEN, BAD_INPUT = 1, 2
+FAILED, INTERRUPTED = EXIT_STATUS["failed"], EXIT_STATUS["interrupted"]
+_NO_ERROR = EXIT_STATUS["no-equilibrium"], INTERRUPTED
+# Set by mpirun and srun for each rank. Without them MPI is not loaded, because a process that has
+# initialised it cannot start another that would.
 _LAUNCHED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
 
 
 def fail(message: str, status: int) -> NoReturn:
-    """Say in a line of rank 0 what ends the command, and end it."""
+    """End the command with a message from rank 0."""
     comm = launched()
     if comm is None or comm.rank == 0:
-        kind = "" if status in (NO_EQUILIBRIUM, INTERRUPTED) else "error: "
+        kind = "" if status in _NO_ERROR else "error: "
         typer.echo(kind + message, err=True)
     raise typer.Exit(status)
 
 
 def abandon(message: str) -> NoReturn:
-    """End all ranks from rank 0, which alone knows that its output folder is lost."""
+    """End all ranks from rank 0, where the output directory became unwritable."""
     comm = launched()
     if comm is not None:
         typer.echo(f"error: {message}", err=True)
@@ -44,7 +39,7 @@ def abandon(message: str) -> NoReturn:
 
 
 def launched() -> Any:
-    """Communicator of all ranks under mpirun; None where there is one alone, or no MPI."""
+    """Return the communicator of all ranks under mpirun; None for one rank, or without MPI."""
     if not any(name in os.environ for name in _LAUNCHED):
         return None
     try:
@@ -55,8 +50,8 @@ def launched() -> Any:
 
 
 def on_terminal() -> bool:
-    """Whether somebody looks at the output, and lines can be drawn anew."""
-    # Open MPI gives every rank a pseudo-terminal, wherever its output goes.
+    """Return whether output goes to a terminal on which lines can be redrawn."""
+    # Open MPI gives every rank a pseudo-terminal, even if its output goes elsewhere.
     fancy = sys.stdout.isatty() and not any(name in os.environ for name in _LAUNCHED)
     return fancy and os.environ.get("TERM") != "dumb"
 
@@ -66,7 +61,7 @@ def terminated_as_interrupted() -> Iterator[None]:
     """Treat the signals of batch systems and of closed terminals as Ctrl-C."""
     previous = {number: signal.getsignal(number) for number in SIGNALS}
     for number, handler in previous.items():
-        if handler is not signal.SIG_IGN:  # as nohup wants
+        if handler is not signal.SIG_IGN:  # ignored under nohup
             signal.signal(number, interrupt)
     try:
         yield

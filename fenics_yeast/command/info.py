@@ -1,6 +1,4 @@
-"""Whether this installation works: what it finds, and what to do about what is missing."""
-
-from __future__ import annotations
+"""The work of `fenics-yeast info`: test the installation, and say how to fix it."""
 
 import json
 import os
@@ -16,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-# In a process of its own, which may die of whatever is wrong; it compiles into an empty folder.
+# Run in another process, which may crash; it compiles into an empty directory.
 _TRIAL = """
 import json, sys, time
 from fenics_yeast import _dolfinx as dx
@@ -39,14 +37,14 @@ _NAME = re.compile(r"[\w.-]+")  # of a library, before its version
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that has been looked at.
+    """Result of one check.
 
     Attributes
     ----------
     subject, text
-        What it is, and what was found.
+        What was checked; what was found, or how to fix it.
     works
-        Whether a run can do with it.
+        Whether a run would work.
     """
 
     subject: str
@@ -55,22 +53,22 @@ class Finding:
 
 
 def examine() -> Iterator[Finding]:
-    """Look at all that a run needs; imports dolfinx and compiles a form, in another process."""
+    """Check everything that a run needs; import dolfinx and compile a form in another process."""
     from importlib.metadata import version
 
-    yield Finding("fenics-yeast", f"{version('fenics-yeast')} in {Path(__file__).parent}")
+    yield Finding("fenics-yeast", f"{version('fenics-yeast')} in {Path(__file__).parents[1]}")
     yield Finding("Python", f"{platform.python_version()}, {sys.executable}")
     yield _libraries()
     yield _cache()
     yield from _trial()
     mpirun = shutil.which("mpirun")
-    yield Finding("mpirun", mpirun or "not found; runs on one core and sweeps need none")
+    yield Finding("mpirun", mpirun or "not found; needed only for runs on several ranks")
     ffmpeg = shutil.which("ffmpeg")
-    yield Finding("ffmpeg", ffmpeg or "not found; films are GIF alone")
+    yield Finding("ffmpeg", ffmpeg or "not found; animations are written only as GIF")
 
 
 def _libraries() -> Finding:
-    """What pip has to bring, by the package's own list."""
+    """Check the packages that pip installs."""
     from importlib.metadata import PackageNotFoundError, requires, version
 
     found, missing = [], []
@@ -83,7 +81,7 @@ def _libraries() -> Finding:
         except PackageNotFoundError:
             missing.append(line)
     if missing:
-        # dolfinx was built for the NumPy that is there: pip must not bring another one.
+        # dolfinx was built for the installed NumPy, which pip must not replace.
         held = [f"numpy=={number}" for name, number in found if name == "numpy"]
         advice = shlex.join([sys.executable, "-m", "pip", "install", *missing, *held])
         return Finding("libraries", f"missing: {', '.join(missing)}; run: {advice}", works=False)
@@ -91,7 +89,7 @@ def _libraries() -> Finding:
 
 
 def _cache() -> Finding:
-    """The folder of compiled forms. One that cannot be used costs time, and no more."""
+    """Describe the cache of compiled forms; an unusable one only costs time."""
     from .. import _form_cache
 
     place = _form_cache.folder()
@@ -111,7 +109,7 @@ def _trial() -> Iterator[Finding]:
 
 
 def _try_out() -> tuple[dict[str, Any] | None, str]:
-    """What the trial found, or the last line of its complaint."""
+    """Return the findings of the trial, or the last line of its error."""
     with tempfile.TemporaryDirectory(prefix="fenics-yeast-") as folder:
         environment = os.environ | {"XDG_CACHE_HOME": folder}
         try:
@@ -120,9 +118,9 @@ def _try_out() -> tuple[dict[str, Any] | None, str]:
                 timeout=_PATIENCE, check=False,
             )  # fmt: skip
         except subprocess.TimeoutExpired:
-            return None, f"no form was compiled within {_PATIENCE} s"
+            return None, f"compiling a form took longer than {_PATIENCE} s"
     if done.returncode == 0:
         return json.loads(done.stdout.splitlines()[-1]), ""
-    lines = done.stderr.strip().splitlines() or [f"its process ended with {done.returncode}"]
+    lines = done.stderr.strip().splitlines() or [f"its process ended with status {done.returncode}"]
     last = lines[-1].partition(": ")
     return None, last[2] or last[0]

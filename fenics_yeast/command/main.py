@@ -1,12 +1,13 @@
 """The command `fenics-yeast`.
 
-Start-up is kept short: what only a run or a figure needs is imported where it is used.
+Modules that only a run or a figure needs are imported in functions, to keep start-up short.
 """
 
 from __future__ import annotations
 
 import logging
 import os
+from importlib.resources import files
 from pathlib import Path
 from shlex import quote
 from time import perf_counter
@@ -15,10 +16,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..scene import Scene, SceneError, parse_assignment
+from ..simulation import EXIT_STATUS
 from .exits import (
     BAD_INPUT,
     BROKEN,
-    EXIT,
     FAILED,
     INTERRUPTED,
     abandon,
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 _BEGAN = perf_counter()
 
 app = typer.Typer(
-    help="Growth of a walled cell under turgor: a thin shell of revolution.",
+    help="Simulate walled-cell growth under turgor with an axisymmetric shell model.",
     no_args_is_help=True,
     rich_markup_mode=None,  # plain help and usage errors, which need no rich
     pretty_exceptions_enable=False,
@@ -49,17 +50,17 @@ def _completed(incomplete: str) -> list[tuple[str, str]]:
     return assignments(incomplete)
 
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="The scene, a TOML file.")]
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).")]
 Assignments = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
         metavar="TABLE.KEY=VALUE",
-        help='Change a value, as growth.time="30 min"; may be repeated.',
+        help='Override a value, e.g. growth.time="30 min"; repeatable.',
         autocompletion=_completed,
     ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
 
 
 @app.command()
@@ -67,23 +68,29 @@ def run(
     scene_file: SceneFile,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Output folder.", show_default="out/<scene name>"),
+        typer.Option(
+            metavar="DIR",
+            help="Output directory (default: out/<scene name>).",
+            show_default=False,
+        ),
     ] = None,
     assignments: Assignments = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the run that the output folder holds.")
+        bool, typer.Option("--resume", help="Continue from the last checkpoint, if any.")
     ] = False,
     error_bars: Annotated[
         bool,
-        typer.Option("--error-bars", help="Run it again, refined, to estimate errors of V/V0."),
+        typer.Option(
+            "--error-bars", help="Estimate the numerical error of V/V0 by refined reruns."
+        ),
     ] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scene into an output folder.
+    """Run a simulation.
 
-    It takes in the history, profiles at the saved times, figures and a summary. Exit status: 0
-    finished, 2 bad input, 3 the model has no equilibrium beyond some time, 4 the solver gave up,
-    130 interrupted; 1 if dolfinx or its C compiler is missing.
+    Writes history, saved profiles, figures and a summary to the output directory. Exit status:
+    0 finished; 1 dolfinx or C compiler missing; 2 invalid input; 3 no equilibrium
+    or growth without bound; 4 solver failure; 130 interrupted.
     """
     try:
         scene = _load(scene_file, assignments)
@@ -96,7 +103,7 @@ def run(
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     if result.status != "finished":
-        fail(result.message, EXIT[result.status])
+        fail(result.message, EXIT_STATUS[result.status])
 
 
 def _run(path: Path, scene: Scene, resume: bool, error_bars: bool, quiet: bool) -> Result:
@@ -133,27 +140,35 @@ def sweep(
         typer.Option(
             "--vary",
             metavar="TABLE.KEY=V1,V2,...",
-            help="Values of a key, or A:B:N for N of them from A to B; may be repeated.",
+            help="Values V1,V2,... or range A:B:N (N values from A to B); repeatable.",
             autocompletion=_completed,
         ),
     ],
     assignments: Assignments = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Output folder.", show_default="out/<scene name>-sweep"),
+        typer.Option(
+            metavar="DIR",
+            help="Output directory (default: out/<scene name>-sweep).",
+            show_default=False,
+        ),
     ] = None,
     jobs: Annotated[
         int | None,
-        typer.Option(metavar="N", min=1, help="Processes.", show_default="one for each core"),
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Number of worker processes (default: available cores).",
+            show_default=False,
+        ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scene with every combination of some values.
+    """Run all combinations of parameter values.
 
-    Each case gets an output folder below that of the sweep, which takes in a table, sweep.csv,
-    and a figure of one parameter or two. Started again, it skips the cases that are finished.
-    Under mpirun the ranks share the cases. Exit status: 0 every case has come to an end, 2 bad
-    input, 4 some failed, 130 interrupted; 1 if dolfinx or its C compiler is missing.
+    Writes a subdirectory per case, sweep.csv and, for one or two parameters, a figure. Rerun to
+    continue; finished cases are skipped. Under mpirun, ranks share the cases. Exit status: 0 all
+    cases ended (with or without an equilibrium); 4 some failed; 1, 2, 130 as for run.
     """
     from ..studies import parse_variation, plan
 
@@ -164,28 +179,27 @@ def sweep(
     except SceneError as error:
         fail(str(error), BAD_INPUT)
     if jobs is not None and launched() is not None:
-        fail("--jobs is for one machine; under mpirun the ranks share the cases", BAD_INPUT)
+        fail("omit --jobs under mpirun, where the ranks share the cases", BAD_INPUT)
     directory = Path("out", f"{scene.name}-sweep") if out is None else out
     keys = [parameter.key for parameter in parameters]
     try:
         with terminated_as_interrupted():
             rows = _sweep(directory, keys, cases, jobs, quiet)
     except KeyboardInterrupt:
-        fail("interrupted; the same command goes on from here", INTERRUPTED)
+        fail("interrupted; rerun the same command to continue", INTERRUPTED)
     if failed := [row for row in rows if not row.answered]:
-        fail(f"{len(failed)} of {len(rows)} cases failed, {failed[0].case} the first", FAILED)
+        fail(f"{len(failed)} of {len(rows)} cases failed; the first is {failed[0].case}", FAILED)
 
 
 def _sweep(
     directory: Path, keys: list[str], cases: list[Case], jobs: int | None, quiet: bool
 ) -> list[CaseRow]:
     from ..output import DolfinxMissing, OutputError, writing
-    from ..studies import TABLE, run_sweep
-    from ..studies import figure as sweep_plots
+    from ..studies import TABLE, draw_sweep, run_sweep
     from .sweep_terminal import SweepBar, SweepLines, tally
     from .terminal import print_line
 
-    # What numpy would start beside, the processes would fight for.
+    # Threads of NumPy would compete with the worker processes.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     comm = launched()
     screen = (SweepBar if on_terminal() else SweepLines)(keys)
@@ -199,7 +213,7 @@ def _sweep(
         if comm is not None and comm.rank > 0:
             return []
         with writing(directory):
-            drawn = sweep_plots.draw(directory)
+            drawn = draw_sweep(directory)
     except OutputError as error:
         fail(str(error), BAD_INPUT)
     except DolfinxMissing as error:
@@ -212,70 +226,70 @@ def _sweep(
 
 @app.command()
 def check(scene_file: SceneFile) -> None:
-    """Validate a scene without running it."""
+    """Validate a scene file without running it."""
     try:
         Scene.load(scene_file)
     except SceneError as error:
         fail(str(error), BAD_INPUT)
-    typer.echo(f"{scene_file}: a valid scene")
+    typer.echo(f"{scene_file}: valid")
 
 
 @app.command()
 def plot(
     directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Output folder of a run or a sweep.")
+        Path, typer.Argument(metavar="DIR", help="Output directory of a run or sweep.")
     ],
-    pdf: Annotated[bool, typer.Option("--pdf", help="Each figure as PDF too.")] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Also save figures as PDF.")] = False,
     film: Annotated[
         bool,
-        typer.Option("--film", help="A film too, GIF and, where ffmpeg is, MP4: runs it again."),
+        typer.Option("--film", help="Also animate (GIF; MP4 with ffmpeg); reruns the simulation."),
     ] = False,
 ) -> None:
-    """Draw the figures of an output folder, finished or still going.
+    """Plot a run or sweep, finished or in progress.
 
-    Of a run: shapes, volume, stress and growth along the meridian, and the surfaces for ParaView.
+    For a run, also write ParaView surfaces.
     """
-    from ..figures import FilmError
+    from ..figures import AnimationError
     from ..output import OutputError, writing
     from .redraw import draw_folder
 
     try:
         with writing(directory):
             drawn = draw_folder(directory, pdf=pdf, moving=film)
-    except (SceneError, OutputError, FilmError) as error:
+    except (SceneError, OutputError, AnimationError) as error:
         fail(str(error), BAD_INPUT)
     except ImportError as error:
         fail(str(error), BROKEN)
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     if not drawn:
-        fail(f"{directory}: nothing to draw yet; wait for the first saved time", BAD_INPUT)
+        fail(f"{directory}: nothing to plot yet; wait for the first saved time", BAD_INPUT)
     for path in drawn:
         typer.echo(path)
 
 
 @app.command()
 def new(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="The file to write.")],
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="File to create.")],
 ) -> None:
-    """Write a commented scene to begin with."""
-    from .example import EXAMPLE
-
+    """Create a commented example scene."""
+    example = files(__package__).joinpath("example.toml").read_text(encoding="utf-8")
     try:
         with open(scene_file, "x", encoding="utf-8") as file:
-            file.write(EXAMPLE)
+            file.write(example)
     except FileExistsError:
-        fail(f"{scene_file}: exists already; choose another name", BAD_INPUT)
+        fail(f"{scene_file}: already exists; choose another name", BAD_INPUT)
     except OSError as error:
         fail(f"{scene_file}: cannot be written: {error.strerror or error}", BAD_INPUT)
-    typer.echo(f"{scene_file}: a scene to change; then: fenics-yeast run {quote(str(scene_file))}")
+    command = f"fenics-yeast run {quote(str(scene_file))}"
+    typer.echo(f"created {scene_file}; edit it, then run: {command}")
 
 
 @app.command()
 def info() -> None:
-    """Say what is installed, and whether it works.
+    """Show versions and test the installation.
 
-    Exit status 1 if a run would fail; the line says what to do.
+    Exit status 1 if a run would fail; prints the fix.
     """
     from .info import examine
 
@@ -286,18 +300,18 @@ def info() -> None:
         typer.echo(f"{finding.subject:13} {mark}{finding.text}")
     if not works:
         raise typer.Exit(BROKEN)
-    typer.echo("All that a run needs is there and works.")
+    typer.echo("The installation works.")
 
 
 def _load(scene_file: Path, assignments: list[str] | None) -> Scene:
-    """Scene of a file with the values of `--set`."""
+    """Load a scene with the values of `--set`."""
     changes = dict(parse_assignment(text) for text in assignments or ())
     scene = Scene.load(scene_file)
     return scene.with_values(changes) if changes else scene
 
 
 def _screen(scene: Scene) -> Lines | ProgressLine:
-    """Give what suits the place that the output goes to."""
+    """Return a screen that suits the output, a terminal or a file."""
     from .terminal import Lines, ProgressLine
 
     return ProgressLine(scene) if on_terminal() else Lines()
@@ -306,7 +320,7 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
 def _home() -> str:
     try:
         return str(Path.home())
-    except RuntimeError:  # an unknown user, whose forms are compiled anew in every run
+    except RuntimeError:  # an unknown user; every run compiles its forms again
         from .._form_cache import temporary
 
         return str(temporary("home"))
@@ -314,8 +328,8 @@ def _home() -> str:
 
 def main() -> None:
     """Run the command."""
-    if "HOME" not in os.environ:  # as in a service; Open MPI 5 wants one
+    if "HOME" not in os.environ:  # as in a service; Open MPI 5 needs it
         os.environ["HOME"] = _home()
-    # It tells at length that a home is read-only, and that it looks for fonts.
+    # It warns at length about a read-only home directory and about its font cache.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     app()

@@ -1,54 +1,52 @@
-"""All pictures of an output folder, drawn again from its files: a run's, or a sweep's."""
-
-from __future__ import annotations
+"""The work of `fenics-yeast plot`: all figures of a run or sweep, from its files."""
 
 from pathlib import Path
 
-from ..figures import run_figures as plots
-from ..figures import write_surfaces
-from ..output import read_error_bars, read_history, read_profiles, read_scene, read_status
-from ..studies import TABLE
-from ..studies import figure as sweep_plots
+from ..figures import draw, write_surfaces
+from ..output import FIGURES, read_history, read_profiles, read_scene, read_summary
+from ..studies import TABLE, draw_sweep
 from .exits import on_terminal
 
 
 def draw_folder(directory: Path, *, pdf: bool = False, moving: bool = False) -> list[Path]:
-    """Draw the figures of a folder, finished or still going, and the surfaces for ParaView.
+    """Draw the figures of a run or sweep, finished or in progress, and ParaView surfaces.
 
     Parameters
     ----------
     directory
-        Output folder of a run or of a sweep.
+        Output directory of a run or of a sweep.
     pdf
-        Whether each figure is written as PDF too.
+        Whether to write each figure also as PDF.
     moving
-        Whether the run is filmed, which computes it once more.
+        Whether to write an animation, which reruns the scene.
 
     Returns
     -------
     list of Path
-        What has been made.
+        Files that were written.
 
     Raises
     ------
     OutputError, SceneError
-        If the folder cannot be read.
-    FilmError
-        If the film cannot be made.
+        If the directory cannot be read.
+    AnimationError
+        If the animation cannot be made.
     """
     suffixes = (".png", ".pdf") if pdf else (".png",)
     if (directory / TABLE).exists():
         if moving:
-            from ..figures import FilmError
+            from ..figures import AnimationError
 
-            raise FilmError(f"{directory}: is a sweep; name the folder of one of its cases")
-        return [path for suffix in suffixes for path in sweep_plots.draw(directory, suffix)]
-    scene, status = read_scene(directory), read_status(directory)
+            raise AnimationError(f"{directory}: a sweep; to animate, name the directory of a case")
+        return [path for suffix in suffixes for path in draw_sweep(directory, suffix)]
+    scene, summary = read_scene(directory), read_summary(directory)
     profiles = read_profiles(directory)  # before the history, which is ahead of them
-    history, bars = read_history(directory), read_error_bars(directory)
+    history = read_history(directory)
+    status, bars = (None, None) if summary is None else (summary.status, summary.error_bars)
     made = []
     for suffix in suffixes:
-        made += plots.draw_all(directory, scene, history, profiles, status, bars, suffix)
+        results = history, profiles, status, bars
+        made += draw(directory, scene, *results, names=FIGURES, suffix=suffix)
     if len(profiles):
         made.append(write_surfaces(directory, scene, profiles))
     if moving:

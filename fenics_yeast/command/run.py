@@ -1,6 +1,4 @@
-"""What `fenics-yeast run` does: a run into a folder, its figures and its error bars."""
-
-from __future__ import annotations
+"""The work of `fenics-yeast run`: a run, its figures and its error bars."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -19,18 +17,18 @@ def run_completely(
     with_error_bars: bool = False,
     resume: bool = False,
 ) -> Result:
-    """Run a scene into a folder, with figures and, where asked for, error bars of the volume.
+    """Run a scene into a directory, with figures and, if requested, error bars of V/V0.
 
     Parameters and errors are those of `Job`.
 
     Raises
     ------
     KeyboardInterrupt
-        If figures or runs for the error bars are interrupted: the folder holds all but those.
+        If figures or error bars are interrupted; only those are missing then.
     """
     with Job(path, scene, screen=screen, began=began, resume=resume) as job:
         if job.ended is not None and (job.ended.error_bars or not with_error_bars):
-            job.announce_ended()
+            job.note_ended()
             return job.ended
         result = job.run()
         job.complete(result, lambda: _draw(path, scene, result))

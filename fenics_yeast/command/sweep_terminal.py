@@ -1,4 +1,4 @@
-"""What a sweep shows: a line for each case that has ended and, on a terminal, how far it all is."""
+"""Screens of a sweep: a line per case and, on a terminal, a progress bar."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class SweepLines:
         return
 
     def begun(self, cases: int, skipped: Sequence[CaseRow]) -> None:
-        """Say how much there is to do."""
+        """Show how many cases are finished."""
         self._cases, self._ended = cases, len(skipped)
         if skipped:
-            self._print(f"{len(skipped)} of {cases} cases are finished already")
+            self._print(f"{len(skipped)} of {cases} cases are already finished")
 
     def ended(self, row: CaseRow) -> None:
         """Print the line of a case."""
@@ -42,7 +42,7 @@ class SweepLines:
 
 
 class SweepBar(SweepLines):
-    """The same lines above a bar with the time left, by rich."""
+    """The same lines above a progress bar of rich."""
 
     def __init__(self, keys: Sequence[str]) -> None:
         super().__init__(keys)
@@ -79,7 +79,7 @@ class SweepBar(SweepLines):
         self._progress.stop()
 
     def begun(self, cases: int, skipped: Sequence[CaseRow]) -> None:
-        """Set the bar up for the cases that are left."""
+        """Set up the bar for the remaining cases."""
         super().begun(cases, skipped)
         self._progress.update(self._task, total=cases - len(skipped))
 
@@ -93,7 +93,7 @@ class SweepBar(SweepLines):
 
 
 def describe(keys: Sequence[str], row: CaseRow) -> str:
-    """Say in a line what came out of a case."""
+    """Return the result of a case as a line."""
     case = " ".join(
         f"{key}={value_label(value)}" for key, value in zip(keys, row.values, strict=True)
     )
@@ -105,6 +105,6 @@ def describe(keys: Sequence[str], row: CaseRow) -> str:
 
 
 def tally(rows: Sequence[CaseRow]) -> str:
-    """Count the cases by how they ended."""
+    """Return the numbers of cases by status."""
     counts = Counter(row.status for row in rows)
     return f"{len(rows)} cases: " + ", ".join(f"{n} {status}" for status, n in counts.items())

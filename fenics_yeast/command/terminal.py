@@ -1,4 +1,4 @@
-"""What a run shows while it goes and when it ends: on a terminal, and elsewhere."""
+"""Screens of a run: a progress bar and tables on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import os
 import sys
 from math import isnan
 from typing import TYPE_CHECKING, Self
-
-from .time_left import TimeLeft, duration
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,18 +36,18 @@ class Lines:
             print_line(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
 
     def resumed(self, row: Row, rows: int) -> None:
-        """Say where the run goes on."""
-        self.note(_taken_up(row, rows))
+        """Print where the run resumes."""
+        self.note(_resumed(row, rows))
 
     def note(self, line: str) -> None:
         """Print a line."""
         print_line(line)
 
     def refining(self, part: str) -> None:
-        """Nothing: the lines at the end have it."""
+        """Print nothing."""
 
     def summary(self, result: Result, place: str) -> None:
-        """Say what the error bars are, how the run ended and where its files are."""
+        """Print the error bars, how the run ended and its output directory."""
         if result.error_bars is not None:
             for cells in [_HEADINGS, *_rows(result.error_bars)]:
                 print_line("  ".join(f"{cell:>16}" for cell in cells))
@@ -59,7 +57,7 @@ class Lines:
 
 
 class ProgressLine:
-    """A line with bar, time, volume and time left, and a table at the end, by rich."""
+    """A progress bar with time, volume and time left, and tables at the end, by rich."""
 
     def __init__(self, scene: Scene) -> None:
         from rich.console import Console
@@ -68,20 +66,22 @@ class ProgressLine:
             Progress,
             SpinnerColumn,
             TextColumn,
+            TimeRemainingColumn,
         )
 
         self._scene = scene
         self._console = Console(highlight=False)
         self._end = scene.run.end if scene.run else None
-        self._left = TimeLeft(self._end) if self._end else None
         self._progress = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
             BarColumn(bar_width=24),
             TextColumn("{task.fields[state]}"),
+            TimeRemainingColumn(),
             TextColumn("{task.fields[left]}"),
             console=self._console,
             transient=True,
+            speed_estimate_period=600,
         )
         self._task = self._progress.add_task(scene.name, total=None, state="setting up", left="")
 
@@ -93,22 +93,18 @@ class ProgressLine:
         self._progress.stop()
 
     def accepted(self, row: Row) -> None:
-        """Bring the line up to an accepted state."""
-        left, state = "", f"V/V0 = {row.volume_ratio:.4f}"
-        if self._left is not None:
-            seconds = self._left.accepted(row.time_min)
-            left = "" if seconds is None else f"about {duration(seconds)} left"
-            state = f"{row.time_min:.1f} of {self._end:g} min   {state}"
-        self._progress.update(
-            self._task, total=self._end, completed=row.time_min, state=state, left=left
-        )
+        """Show an accepted state."""
+        time, left, state = row.time_min, "", f"V/V0 = {row.volume_ratio:.4f}"
+        if self._end is not None:
+            left, state = "left", f"{time:.1f} of {self._end:g} min   {state}"
+        self._progress.update(self._task, total=self._end, completed=time, state=state, left=left)
 
     def saved(self, profile: Profile) -> None:
-        """Nothing: the table at the end has it."""
+        """Show nothing; the table at the end has it."""
 
     def resumed(self, row: Row, rows: int) -> None:
-        """Say where the run goes on, and show the bar from there."""
-        self.note(_taken_up(row, rows))
+        """Print where the run resumes, and start the bar there."""
+        self.note(_resumed(row, rows))
         self._progress.update(self._task, total=self._end, completed=row.time_min)
 
     def note(self, line: str) -> None:
@@ -116,12 +112,12 @@ class ProgressLine:
         self._console.print(line)
 
     def refining(self, part: str) -> None:
-        """Say what the error bars are waiting for."""
+        """Show which part is refined for the error bars."""
         state = f"error bars: {part.replace('_', ' ')} refined"
         self._progress.update(self._task, total=None, state=state, left="")
 
     def summary(self, result: Result, place: str) -> None:
-        """Show the volumes at the saved times, how the run ended and where its files are."""
+        """Print a table of the saved times, how the run ended and its output directory."""
         from rich import box
         from rich.table import Table
 
@@ -153,23 +149,23 @@ class ProgressLine:
         self._console.print(f"{result.status}, see {place}")
 
 
-_HEADINGS = ("time (min)", "time steps", "mesh", "thickness points", "shear penalty", "total")
+_HEADINGS = ("time (min)", "time steps", "mesh", "through thickness", "shear penalty", "total")
 
 
-def _taken_up(row: Row, rows: int) -> str:
-    return f"goes on from {row.time_min:.6g} min, row {rows} of the history"
+def _resumed(row: Row, rows: int) -> str:
+    return f"resuming from {row.time_min:.6g} min (history row {rows})"
 
 
 def _rows(bars: ErrorBars) -> Iterator[list[str]]:
-    """Error bars in words, a row for each time."""
+    """Return the error bars as text, a row for each time."""
     for time, *errors in zip(*bars.columns().values(), strict=True):
         yield [f"{time:.4g}", *("unknown" if isnan(e) else f"{e:.1e}" for e in errors)]
 
 
 def print_line(line: str) -> None:
-    """Print at once; a reader that has gone away does not end the run."""
+    """Print at once; a closed pipe does not end the run."""
     try:
         print(line, flush=True)
     except BrokenPipeError:
-        # Python would complain once more when it flushes at its end.
+        # Python would report it again when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

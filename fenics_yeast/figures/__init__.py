@@ -3,25 +3,14 @@
 Draws what it is given; matplotlib is imported when a figure is drawn.
 """
 
-from __future__ import annotations
-
-from .curves import Curve, pressures, volumes
-from .film import FilmError, animate
+from .animation import AnimationError, animate
+from .curves import LOST, Curve, pressures, volumes
 from .paraview import write_surfaces
-from .run_figures import draw, draw_all
+from .run_figures import draw
 from .shapes import shapes
 from .style import COLOURS, figure_of
 
 __all__ = [
-    "COLOURS",
-    "Curve",
-    "FilmError",
-    "animate",
-    "draw",
-    "draw_all",
-    "figure_of",
-    "pressures",
-    "shapes",
-    "volumes",
-    "write_surfaces",
-]
+    "COLOURS", "LOST", "AnimationError", "Curve", "animate", "draw", "figure_of", "pressures",
+    "shapes", "volumes", "write_surfaces",
+]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Curves of runs: the volume in time, and the pressure along static paths."""
+"""Figures of curves: volume against time, and load along equilibrium paths."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import Array
 from ..scene import Scene
 from ..simulation import ErrorBars, History, Status
 from .style import COLOURS, FINER, figure_of
@@ -19,22 +20,17 @@ from .wall_fields import hermite
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
+
+LOST: dict[Status | None, str] = {
+    "no-equilibrium": "equilibrium lost",
+    "unbounded": "growth without bound",
+}
+"""Statuses that a figure marks where a curve ends, with the words for them."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A run in a figure of several.
-
-    Attributes
-    ----------
-    label
-        Its name in the legend.
-    history
-        Its volume in time.
-    status
-        How it ended; None while it goes on.
-    """
+    """A run in a figure of several: legend label, history and status, None while it runs."""
 
     label: str
     history: History
@@ -48,9 +44,9 @@ def volume(
     status: Status | None = "finished",
     error_bars: ErrorBars | None = None,
 ) -> None:
-    """Draw V/V0 against time with the saved times marked; where equilibrium is lost, say so.
+    """Draw V/V0 against time, with saved times and the loss of equilibrium marked.
 
-    Error bars become a band that is told in numbers too: most are thinner than the line.
+    Error bars become a band with its width in numbers, because most are thinner than the line.
     """
     with _volume_axes(path) as axes:
         curve = Curve(scene.title, history, status)
@@ -72,9 +68,9 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str =
     curves
         The runs, in the order of the legend.
     path
-        PNG, PDF or SVG file; its folder is made where missing.
+        PNG, PDF or SVG file; its directory is created if missing.
     title, heading
-        Of the figure, and of its legend.
+        Titles of the figure and of its legend.
     """
     colours = _colours(len(curves))
     with _volume_axes(path) as axes:
@@ -85,38 +81,33 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str =
 
 
 def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str = "") -> None:
-    """Draw the pressure along several static paths against V/V0; see `volumes`."""
+    """Draw the pressure along several equilibrium paths against V/V0; see `volumes`."""
     with _path_axes(path) as axes:
         for curve, colour in zip(curves, _colours(len(curves)), strict=True):
-            _draw_pressure(axes, curve.history, colour, curve.label)
+            V, p = curve.history.volume_ratio, curve.history.pressure_MPa
+            _draw_path(axes, V, p, curve.history.stable, colour, curve.label)
         axes.set_title(title)
         _explain(axes, curves, heading, "lower right")
 
 
-def pressure(history: History, scene: Scene, path: Path) -> None:
-    """Draw the pressure along a static path against V/V0; what is unstable is dashed."""
-    with _path_axes(path) as axes:
-        _draw_pressure(axes, history, COLOURS[0], "stable", "unstable at given pressure")
+def equilibrium_path(history: History, scene: Scene, path: Path) -> None:
+    """Draw the load along an equilibrium path against its conjugate, dashed where unstable."""
+    force = scene.path is not None and scene.path.until.of_load
+    labels = ("displacement (µm)", "force (µN)") if force else ()
+    x, y = history.volume_ratio, history.pressure_MPa
+    if force:
+        x, y = history.displacement_um, history.force_uN
+    unstable = f"unstable at given {'force' if force else 'pressure'}"
+    with _path_axes(path, *labels) as axes:
+        _draw_path(axes, x, y, history.stable, COLOURS[0], "stable", unstable)
         if not history.stable.all():
-            axes.legend(loc="lower right")
-        axes.set_title(scene.title)
-
-
-def force(history: History, scene: Scene, path: Path) -> None:
-    """Draw the force along a static path against its displacement; what is unstable is dashed."""
-    with _path_axes(path, "displacement (µm)", "force (µN)") as axes:
-        _draw_path(
-            axes, history.displacement_um, history.force_uN, history.stable, COLOURS[0],
-            "stable", "unstable at given force",
-        )  # fmt: skip
-        if not history.stable.all():
-            axes.legend(loc="best")
+            axes.legend(loc="best" if force else "lower right")
         axes.set_title(scene.title)
 
 
 @contextmanager
 def _volume_axes(path: Path) -> Iterator[Axes]:
-    """Axes of V/V0 against time, the only ones of a figure."""
+    """Yield the axes of a figure of V/V0 against time."""
     with figure_of(path, 4.8, 3.4) as figure:
         axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
         yield axes
@@ -129,7 +120,7 @@ def _volume_axes(path: Path) -> Iterator[Axes]:
 
 @contextmanager
 def _path_axes(path: Path, of: str = "volume V/V₀", load: str = "pressure (MPa)") -> Iterator[Axes]:
-    """Axes of a load against what it works on, the only ones of a figure."""
+    """Yield the axes of a figure of a load against its conjugate."""
     with figure_of(path, 4.8, 3.4) as figure:
         axes = figure.add_axes((0.15, 0.14, 0.82, 0.77))
         yield axes
@@ -139,14 +130,6 @@ def _path_axes(path: Path, of: str = "volume V/V₀", load: str = "pressure (MPa
         axes.set_axisbelow(True)
 
 
-def _draw_pressure(
-    axes: Axes, history: History, colour: Any, label: str, unstable: str = "_nolegend_"
-) -> None:
-    """Draw pressure against volume."""
-    V, p = history.volume_ratio, history.pressure_MPa
-    _draw_path(axes, V, p, history.stable, colour, label, unstable)
-
-
 def _draw_path(
     axes: Axes,
     x: Array,
@@ -154,21 +137,21 @@ def _draw_path(
     stable: NDArray[np.bool_],
     colour: Any,
     label: str,
-    unstable: str,
+    unstable: str = "_nolegend_",
 ) -> None:
-    """Draw a path in pieces, those that are unstable dashed."""
+    """Draw a path in pieces, dashed where unstable."""
     stable = stable.astype(bool)
     ends = stable[1:] & stable[:-1]  # of each piece
     for style, name, pieces in (("-", label, ends), ("--", unstable, ~ends)):
         gaps = np.where(pieces, 0.0, np.nan)
-        # A piece and the one after it share a point, which either of them shows.
+        # Neighbouring pieces share a point, which either of them may draw.
         shown = np.fmin(np.append(gaps, np.nan), np.append(np.nan, gaps))
         if pieces.any():
             axes.plot(x, y + shown, style, color=colour, label=name)
 
 
 def _colours(count: int) -> list[Any]:
-    """A colour for each of several curves: told apart by hue, or in order where they are many."""
+    """Return a colour per curve: distinct hues, or a sequence for many."""
     if count <= len(COLOURS):
         return list(COLOURS[:count])
     from matplotlib import colormaps
@@ -177,24 +160,24 @@ def _colours(count: int) -> list[Any]:
 
 
 def _explain(axes: Axes, curves: Sequence[Curve], heading: str, place: str) -> None:
-    """Set a legend; of many curves it names some, evenly spread."""
+    """Set a legend; for many curves it names some of them, evenly spread."""
     handles, labels = axes.get_legend_handles_labels()
     named = np.linspace(0, len(handles) - 1, min(len(handles), len(COLOURS))).round().astype(int)
     handles, labels = [handles[i] for i in named], [labels[i] for i in named]
-    if len(curves) > len(COLOURS) and any(curve.status == "no-equilibrium" for curve in curves):
+    if len(curves) > len(COLOURS) and any(curve.status in LOST for curve in curves):
         handles += axes.plot([], [], "x", color="0.4", ms=5, mew=1.8)
-        labels.append("equilibrium lost")
+        labels.append(" or ".join(LOST[s] for s in LOST if s in {c.status for c in curves}))
     axes.legend(handles, labels, title=heading or None, loc=place, alignment="left")
 
 
 def smooth(history: History) -> tuple[Array, Array]:
-    """Time and volume ratio, curved between the rows where the pressure stands still."""
+    """Return time and volume ratio, interpolated between rows while pressure is constant."""
     time, ratio = history.time_min, history.volume_ratio
-    held = np.flatnonzero(history.pressure_MPa == history.pressure_MPa[-1])
-    first = held[0] if len(held) else len(time)
-    if len(time) - first < 3 or np.any(np.diff(held) != 1):
+    constant = np.flatnonzero(history.pressure_MPa == history.pressure_MPa[-1])
+    first = constant[0] if len(constant) else len(time)
+    if len(time) - first < 3 or np.any(np.diff(constant) != 1):
         return time, ratio
-    # Against the length of the drawn curve, which stays smooth where the volume runs away.
+    # By length of the drawn curve, which stays smooth when the volume grows rapidly.
     t, V = time[first:], ratio[first:]
     lengths = np.hypot(np.diff(t) / np.ptp(t), np.diff(V) / (np.ptp(V) or 1.0))
     s = np.append(0.0, np.cumsum(lengths))
@@ -203,7 +186,7 @@ def smooth(history: History) -> tuple[Array, Array]:
 
 
 def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
-    """Draw estimated errors about the curve, from nothing at the start to the last known one."""
+    """Draw estimated errors as a band, from zero at the start to the last known one."""
     known = ~np.isnan(bars.total) & (bars.time_min > 0)
     times, total = bars.time_min[known], bars.total[known]
     if not len(times):
@@ -225,14 +208,16 @@ def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
 
 
 def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> None:
-    """Draw a curve and mark where its run lost equilibrium; with a note, say when."""
+    """Draw a curve; mark where its run lost equilibrium and, with a note, when."""
     history = curve.history
     axes.plot(*smooth(history), color=colour, label=curve.label)
-    if curve.status == "no-equilibrium" and len(history):
+    if curve.status == "unbounded":
+        axes.set_yscale("log")
+    if curve.status in LOST and len(history):
         time, ratio = history.time_min[-1], history.volume_ratio[-1]
         axes.plot([time], [ratio], "x", color=colour, ms=7 if note else 5, mew=1.8)
         if note:
             axes.annotate(
-                f"equilibrium lost\nat {time:.1f} min", (time, ratio), (-8, -2),
+                f"{LOST[curve.status]}\nat {time:.1f} min", (time, ratio), (-8, -2),
                 textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
             )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Stress and growth strain along the meridian at the saved times."""
+"""The figure of stress and growth strain along the meridian."""
 
 from __future__ import annotations
 
@@ -7,37 +7,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry import Array, merged
 from ..scene import Scene
-from ..simulation import Profile, Profiles, discretise
+from ..simulation import Profile, Profiles
 from .style import figure_of
 from .wall_fields import mean, zone_numbers
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 _MOST_CURVES = 7
-_AROUND = 0.75  # what is shown beside the growing zone, over the zone's length
+_AROUND = 0.75  # length shown beside the growing zones, over theirs
 
 
 def meridian(profiles: Profiles, scene: Scene, path: Path) -> None:
     """Draw Cauchy stress and growth strain, means through the wall, against reference arc length.
 
-    Stresses beyond twice the threshold have a logarithmic scale: in the neck they are large.
-    Where a part of the wall grows, that part and its surroundings are shown. Of more than 7
-    profiles 7 are drawn, spread evenly from the first to the last.
-
-    Parameters
-    ----------
-    profiles
-        What to draw, at least one.
-    scene
-        What was run.
-    path
-        PNG, PDF or SVG file; its folder is made where missing.
+    Stresses beyond twice the threshold have a logarithmic scale, because they are large in the
+    bud neck. Only the growing zones and their surroundings are shown, and at most 7 profiles.
     """
     from matplotlib import colormaps
     from matplotlib.lines import Line2D
@@ -52,17 +41,17 @@ def meridian(profiles: Profiles, scene: Scene, path: Path) -> None:
     with figure_of(path, 5.8, height) as figure:
         panels = figure.subplots(2 if grows else 1, 1, sharex=True, squeeze=False)[:, 0]
         figure.subplots_adjust(0.11, 0.5 / height, 0.78, 1 - 0.3 / height, hspace=0.12)
-        _draw(panels[0], scene, drawn, [mean(p, p.stress) for p in drawn], colours)
+        _draw(panels[0], profiles, drawn, [mean(p, p.stress) for p in drawn], colours)
         panels[0].set_ylabel("Cauchy stress (MPa)")
         panels[0].set_title(scene.title)
         if grows:
-            _draw(panels[1], scene, drawn, [mean(p, p.growth_strain) for p in drawn], colours)
+            _draw(panels[1], profiles, drawn, [mean(p, p.growth_strain) for p in drawn], colours)
             panels[1].set_ylabel("growth strain")
             _scale(panels[0], [mean(p, p.stress) for p in drawn], scene)
         for axes in panels:
             axes.grid(color="0.9", linewidth=0.6)
             axes.set_axisbelow(True)
-            _mark_zones(axes, scene)
+            _mark_zones(axes, profiles)
         panels[-1].set_xlabel("arc length of the unloaded meridian from the bottom (µm)")
         lines = [Line2D([], [], color=colour) for colour in colours]
         labels = [f"{profile.time:.4g} min" for profile in drawn]
@@ -78,14 +67,14 @@ def meridian(profiles: Profiles, scene: Scene, path: Path) -> None:
 
 def _draw(
     axes: Axes,
-    scene: Scene,
-    profiles: Sequence[Profile],
+    profiles: Profiles,
+    drawn: Sequence[Profile],
     values: Sequence[Array],
     colours: Sequence[Any],
 ) -> None:
-    """Draw meridional and hoop components against the points' arc length, cut at zones' edges."""
-    S = profiles[0].S_points
-    cuts = np.flatnonzero(np.diff(zone_numbers(scene, S))) + 1
+    """Draw meridional and hoop components against arc length, broken at the edges of zones."""
+    S = drawn[0].S_points
+    cuts = np.flatnonzero(np.diff(zone_numbers(profiles.zones, S))) + 1
     for components, colour in zip(values, colours, strict=True):
         for i, style in enumerate(("-", "--")):
             broken = np.insert(components[:, i], cuts, np.nan)
@@ -93,7 +82,7 @@ def _draw(
 
 
 def _scale(axes: Axes, stresses: Sequence[Array], scene: Scene) -> None:
-    """Mark the thresholds and scale the axis of stress, linear about them."""
+    """Mark the thresholds; scale the stress axis, linear around them."""
     thresholds = {growth.threshold for growth in scene.growing}
     for threshold in thresholds:
         axes.axhline(threshold, color="0.4", lw=0.8, ls=":")
@@ -107,15 +96,13 @@ def _scale(axes: Axes, stresses: Sequence[Array], scene: Scene) -> None:
     axes.set_ylim(low, high)
 
 
-def _mark_zones(axes: Axes, scene: Scene) -> None:
-    """Shade what grows, and look at it and its surroundings."""
-    if scene.growth is None:
+def _mark_zones(axes: Axes, profiles: Profiles) -> None:
+    """Shade the growing zones, and show only them and their surroundings."""
+    parts, S = merged(part for zone in profiles.zones for part in zone), profiles.all[0].S
+    if not parts:
         return
-    discretisation = discretise(scene)
-    parts = discretisation.growing
     for part in parts:
         axes.axvspan(part.start, part.end, color="0.95", lw=0, zorder=0)
     first, last = min(part.start for part in parts), max(part.end for part in parts)
     beside = _AROUND * (last - first)
-    length = discretisation.curve.length
-    axes.set_xlim(max(0.0, first - beside), min(length, last + beside))
+    axes.set_xlim(max(S[0], first - beside), min(S[-1], last + beside))

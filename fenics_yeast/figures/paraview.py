@@ -1,47 +1,30 @@
-"""The wall as a surface of revolution for ParaView: a file for each saved time, and a series."""
+"""Surfaces of revolution for ParaView: a file per saved time, and a series."""
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import Array, Intervals
 from ..output import SERIES, SURFACES, replace_file
 from ..scene import Scene
 from ..simulation import Profile, Profiles
 from . import wall_fields
 
-Array = NDArray[np.float64]
-
 _AROUND = 64  # edges of a ring: its area is 0.16 % less than that of the circle
-_RINGS = 160  # from end to end, evenly spread
-_FINER = 8  # places for a ring between two nodes
+_RINGS = 160  # from end to end
+_FINER = 8  # possible rings between two nodes
 _CLOSED = 1e-9  # radius over the largest one, at which an end is a pole
 
 
 def write_surfaces(directory: Path, scene: Scene, profiles: Profiles) -> Path:
-    """Write the wall at the saved times into an output folder; the series is the file to open.
-
-    Parameters
-    ----------
-    directory
-        The output folder.
-    scene
-        What was run.
-    profiles
-        The wall at the saved times.
-
-    Returns
-    -------
-    Path
-        The series.
-    """
+    """Write the wall at the saved times to an output directory; return the series to open."""
     (directory / SURFACES).mkdir(parents=True, exist_ok=True)
     names = [f"{SURFACES}/{number:04d}.vtu" for number in range(len(profiles))]
     for name, profile in zip(names, profiles, strict=True):
-        _write(directory / name, profile, scene)
+        _write(directory / name, profile, profiles.zones, scene)
     lines = [
         f'    <DataSet timestep="{profile.time!r}" file="{name}"/>'
         for profile, name in zip(profiles, names, strict=True)
@@ -53,22 +36,22 @@ def write_surfaces(directory: Path, scene: Scene, profiles: Profiles) -> Path:
     return directory / SERIES
 
 
-def _write(path: Path, profile: Profile, scene: Scene) -> None:
+def _write(path: Path, profile: Profile, zones: Sequence[Intervals], scene: Scene) -> None:
     import meshio
 
-    S, r, z = _meridian(profile, scene)
+    S, r, z = _meridian(profile, zones)
     points, rings = _points(r, z)
     triangles = [_band(lower, upper) for lower, upper in pairwise(rings)]
     ring_of = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
-    zones = wall_fields.zone_numbers(scene, (S[1:] + S[:-1]) / 2)
+    numbers = wall_fields.zone_numbers(zones, (S[1:] + S[:-1]) / 2)
     stress = wall_fields.mean(profile, profile.stress)
     fields = {
         "growth strain": wall_fields.area_strain(profile),
         "Cauchy stress, meridional (MPa)": stress[:, 0],
         "Cauchy stress, hoop (MPa)": stress[:, 1],
     }
-    if scene.growth is not None:
-        fields["stress over threshold"] = wall_fields.stress_ratio(profile, scene)
+    if thresholds := [growth.threshold for growth in scene.growing]:
+        fields["stress over threshold"] = wall_fields.stress_ratio(profile, zones, thresholds)
     surface = meshio.Mesh(
         points.astype(np.float32),
         [("triangle", np.concatenate(triangles))],
@@ -76,25 +59,25 @@ def _write(path: Path, profile: Profile, scene: Scene) -> None:
             name: np.interp(S, profile.S_points, values)[ring_of].astype(np.float32)
             for name, values in fields.items()
         },
-        cell_data={"zone": [np.repeat(zones, [len(band) for band in triangles])]},
+        cell_data={"zone": [np.repeat(numbers, [len(band) for band in triangles])]},
     )
     temporary = path.with_name(path.name + ".part")
     surface.write(temporary, file_format="vtu")
     temporary.replace(path)
 
 
-def _meridian(profile: Profile, scene: Scene) -> tuple[Array, Array, Array]:
-    """`S, r, z` of the rings: evenly spread along the deformed meridian, and at zones' edges."""
+def _meridian(profile: Profile, zones: Sequence[Intervals]) -> tuple[Array, Array, Array]:
+    """Return `S, r, z` of rings, evenly spaced along the deformed meridian and at zone edges."""
     S, r, z = wall_fields.outline(profile, _FINER)
-    zones = wall_fields.zone_numbers(scene, (S[1:] + S[:-1]) / 2)
+    numbers = wall_fields.zone_numbers(zones, (S[1:] + S[:-1]) / 2)
     length = np.append(0.0, np.cumsum(np.hypot(np.diff(r), np.diff(z))))
     even = np.searchsorted(length, np.linspace(0, length[-1], _RINGS + 1) * (1 - 1e-12))
-    chosen = np.union1d(even, np.flatnonzero(np.diff(zones)) + 1)
+    chosen = np.union1d(even, np.flatnonzero(np.diff(numbers)) + 1)
     return S[chosen], r[chosen], z[chosen]
 
 
 def _points(r: Array, z: Array) -> tuple[Array, list[NDArray[np.int32]]]:
-    """Points of all rings, and the points of each ring; that of a pole has one."""
+    """Return the points of all rings, and the indices of each ring; a pole has one point."""
     angles = 2 * np.pi * np.arange(_AROUND) / _AROUND
     around = np.column_stack([np.cos(angles), np.sin(angles)])
     points: list[Array] = []
@@ -110,7 +93,7 @@ def _points(r: Array, z: Array) -> tuple[Array, list[NDArray[np.int32]]]:
 
 
 def _band(lower: NDArray[np.int32], upper: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Triangles between two rings, in the order that makes their normals point outward."""
+    """Return the triangles between two rings, with normals pointing outward."""
     a, b, c, d = (np.broadcast_to(ring, _AROUND)
                   for ring in (lower, np.roll(lower, -1), upper, np.roll(upper, -1)))  # fmt: skip
     below, above = np.column_stack([a, b, d]), np.column_stack([a, d, c])

@@ -1,12 +1,14 @@
-"""The cell as it looks: both halves of the wall, the growing zone coloured by its growth."""
+"""The figure of cell shapes, growing zones coloured by their growth strain."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..geometry import Intervals
 from ..scene import Scene
 from ..simulation import History, Profile, Profiles
 from .style import FINER, WALL, figure_of, growth_colours
@@ -22,21 +24,17 @@ _POINTS = 72.0  # of an inch
 
 
 def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> None:
-    """Draw the cell at the saved times, both halves, in true proportions: the paper's Figure 4.
+    """Draw the cell at the saved times in true proportions: the paper's Figure 4.
 
-    The growing zone is coloured by its growth strain `ε1 + ε2`, the mean through the wall. Of
-    more than 20 profiles 20 are drawn, spread evenly from the first to the last.
+    Growing zones are coloured by the growth strain `ε1 + ε2`, the mean through the wall. At most
+    20 profiles are drawn.
 
     Parameters
     ----------
-    profiles
-        What to draw, at least one.
-    history
-        Of the same run; its volumes stand above the shapes.
-    scene
-        What was run.
+    profiles, history, scene
+        Profiles to draw, at least one; history and scene of the same run.
     path
-        PNG, PDF or SVG file; its folder is made where missing.
+        PNG, PDF or SVG file; its directory is created if missing.
     """
     drawn = _selection(profiles)
     columns = min(len(drawn), _MOST_IN_A_ROW)
@@ -71,7 +69,7 @@ def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> No
                 axes.set_ylabel("z (µm)")
             else:
                 axes.tick_params(labelleft=False)
-            draw_wall(axes, profile, scene, scale, colouring)
+            draw_wall(axes, profile, profiles.zones, scene.wall.thickness, scale, colouring)
         if largest > 0:
             axes = place(_LEFT + panels, height - row_height + 0.45, 0.1, panel_height)
             label = "growth strain\nε₁ + ε₂" if low else "growth strain ε₁ + ε₂"
@@ -79,7 +77,7 @@ def shapes(profiles: Profiles, history: History, scene: Scene, path: Path) -> No
 
 
 def _selection(profiles: Profiles) -> list[Profile]:
-    """All profiles, or as many as fit a page."""
+    """Return all profiles, or as many as fit a page, evenly spread."""
     count = min(len(profiles), _MOST_SHAPES)
     return [profiles.all[i] for i in np.linspace(0, len(profiles) - 1, count).round().astype(int)]
 
@@ -89,16 +87,23 @@ def _caption(profile: Profile, history: History, scene: Scene) -> str:
     return f"{profile.time:.4g} min\n{ratio}" if scene.run else ratio
 
 
-def draw_wall(axes: Axes, profile: Profile, scene: Scene, scale: float, colouring: Any) -> None:
-    """Draw both halves, as thick as the wall is (or as a line that prints)."""
+def draw_wall(
+    axes: Axes,
+    profile: Profile,
+    zones: Sequence[Intervals],
+    thickness: float,
+    scale: float,
+    colouring: Any,
+) -> None:
+    """Draw both halves of the wall at its thickness in µm, or as a line that prints."""
     from matplotlib.collections import LineCollection
 
-    linewidth = max(1.3, scene.wall.thickness * scale * _POINTS)
+    linewidth = max(1.3, thickness * scale * _POINTS)
     S, r, z = outline(profile, FINER)
     middle = (S[1:] + S[:-1]) / 2
-    zone = zone_numbers(scene, middle) > 0
+    zone = zone_numbers(zones, middle) > 0
     colours = colouring.to_rgba(np.interp(middle[zone], profile.S_points, area_strain(profile)))
-    # What does not grow is drawn in one go from zone to zone.
+    # Each part that does not grow is one line.
     parts = np.split(np.arange(len(zone)), np.flatnonzero(np.diff(zone)) + 1)
     rests = [slice(part[0], part[-1] + 2) for part in parts if not zone[part[0]]]
     for side in (-1, 1):

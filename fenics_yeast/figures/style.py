@@ -1,4 +1,4 @@
-"""How all figures look: sizes fit for print, colours told apart with any colour vision."""
+"""Style of all figures: sizes for print, colours that any colour vision distinguishes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..output import replace_file
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Okabe and Ito's colours, told apart with any colour vision; yellow is left out, faint on white.
+# Okabe and Ito's colours, without yellow, which is faint on white.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
 STYLE = {
     "font.size": 9.0,
@@ -25,13 +25,13 @@ STYLE = {
     "legend.frameon": False,
     "savefig.dpi": 200,
 }
-WALL = "#666666"  # of what does not grow
-FINER = 8  # pieces drawn between two nodes, or two steps
+WALL = "#666666"  # where nothing grows
+FINER = 8  # points drawn per element, or per step
 
 
 @contextmanager
 def figure_of(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """Figure of the given size in inches, saved at the end; no window, no state left behind."""
+    """Yield a figure of a size in inches and save it; opens no window, leaves no state."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -47,7 +47,7 @@ def figure_of(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 
 def growth_colours(largest: float) -> Any:
-    """Colours of growth strains from 0 to a largest one: dark to bright, none of them faint."""
+    """Return colours of growth strains from 0 to a largest one: dark to bright, none faint."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import ListedColormap, Normalize

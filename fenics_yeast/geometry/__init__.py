@@ -1,19 +1,18 @@
-"""Curves of revolution and what lies on them: contours, zones, edges, meshes of the meridian.
+"""Curves of revolution and what lies on them: contours, zones, supports, meshes of the meridian.
 
-Knows neither scenes nor dolfinx: everything here is NumPy.
+Knows neither scenes nor dolfinx: everything here is NumPy and SciPy.
 """
 
-from __future__ import annotations
-
 from .contour import ContourError, read_contour, smooth_contour
-from .curves import Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
-from .intervals import NEAR, Interval, Intervals, apart, edges, merged, neck, polar_extent, within
+from .curves import NEAR, Array, Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
+from .intervals import Interval, Intervals, apart, edges, merged, neck, polar_extent, within
 from .mesh import Discretisation, place_nodes
-from .supports import CONSTRAINED, Edge, End, Pole
+from .supports import CONSTRAINED, Edge, End, Pole, Poles
 
 __all__ = [
     "CONSTRAINED",
     "NEAR",
+    "Array",
     "Cap",
     "Capsule",
     "ContourError",
@@ -24,6 +23,7 @@ __all__ = [
     "Interval",
     "Intervals",
     "Pole",
+    "Poles",
     "Polygon",
     "Sphere",
     "Straight",
@@ -37,4 +37,4 @@ __all__ = [
     "smooth_contour",
     "spheroid",
     "within",
-]
+]  # fmt: skip

@@ -16,48 +16,45 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_TABLE = 4000  # intervals of the parameter in which arc length is tabled
+NEAR = 1e-9
+"""Distance, in lengths of the meridian, below which two places on it are the same."""
+
+_TABLE = 4000  # intervals of the parameter at which arc length is tabulated
 _NEWTON_STEPS = 2
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
 class Curve(Protocol):
-    """A reference meridian of the given length in µm.
-
-    Attributes
-    ----------
-    joints
-        Arc lengths in µm within the curve at which its curvature jumps.
-    """
+    """A reference meridian; straight, unless a curve says otherwise."""
 
     @property
-    def length(self) -> float: ...
+    def length(self) -> float:
+        """Length in µm."""
 
     @property
-    def joints(self) -> tuple[float, ...]: ...
+    def joints(self) -> tuple[float, ...]:
+        """Arc lengths in µm inside it at which its curvature jumps."""
+        return ()
 
     def radius(self, S: Array) -> Array:
-        """`R(S)` in µm."""
-        ...
+        """Return `R(S)` in µm."""
 
     def height(self, S: Array) -> Array:
-        """`Z(S)` in µm."""
-        ...
+        """Return `Z(S)` in µm."""
 
     def angle(self, S: Array) -> Array:
-        """`Φ(S)` in radians."""
-        ...
+        """Return `Φ(S)` in radians."""
 
     def curvature(self, S: Array) -> Array:
-        """`Φ'(S)` in 1/µm."""
-        ...
+        """Return `Φ'(S)` in 1/µm."""
+        return np.zeros_like(S)
 
 
 @dataclass(frozen=True)
-class Sphere:
-    """Meridian of a sphere of the given mid-surface radius in µm, centred at the origin."""
+class Sphere(Curve):
+    """Meridian of a sphere of radius `R0` in µm, centred at the origin."""
 
     R0: float
-    joints = ()
 
     @property
     def length(self) -> float:
@@ -77,18 +74,14 @@ class Sphere:
 
 
 @dataclass(frozen=True)
-class Cap:
+class Cap(Curve):
     """Meridian of a part of a sphere, from an edge at height 0 to the top pole.
 
-    Attributes
-    ----------
-    R0, half_angle
-        Radius of the sphere in µm, polar angle of the edge in radians.
+    `R0` is the radius of the sphere in µm, `half_angle` the polar angle of the edge in radians.
     """
 
     R0: float
     half_angle: float
-    joints = ()
 
     @property
     def length(self) -> float:
@@ -110,13 +103,10 @@ class Cap:
 
 
 @dataclass(frozen=True)
-class Capsule:
-    """Meridian of a cylinder between two half spheres, its lower pole at height 0.
+class Capsule(Curve):
+    """Meridian of a cylinder of radius `R0` between two hemispheres, its lower pole at height 0.
 
-    Attributes
-    ----------
-    R0, straight
-        Radius and length of the cylinder in µm.
+    `straight` is the length of the cylinder; both are in µm.
     """
 
     R0: float
@@ -148,16 +138,15 @@ class Capsule:
 
 
 @dataclass(frozen=True)
-class Straight:
-    """A straight meridian from radius `R1` at height 0 to radius `R2` at a height, in µm.
+class Straight(Curve):
+    """A straight meridian from radius `R1` at height 0 to radius `R2` at height `top`, in µm.
 
-    That is a cone, a cylinder where the radii are equal, or a disc where it has no height.
+    It is a cone, a cylinder if the radii are equal, or a disc if the height is 0.
     """
 
     R1: float
     R2: float
     top: float
-    joints = ()
 
     @property
     def length(self) -> float:
@@ -172,34 +161,29 @@ class Straight:
     def angle(self, S: Array) -> Array:
         return np.full_like(S, np.arctan2(self.top, self.R2 - self.R1))
 
-    def curvature(self, S: Array) -> Array:
-        return np.zeros_like(S)
-
 
 @dataclass(frozen=True)
-class Parametric:
-    """A smooth meridian given by a parameter; arc length, angle and curvature follow from it.
+class Parametric(Curve):
+    """A smooth meridian given by a parameter, from which its arc length follows.
 
     Attributes
     ----------
     point
-        Gives `(r, z)` in µm, or their derivatives of a given order, at parameters.
+        Function of parameters and an order: `(r, z)` in µm, or their derivatives of that order.
     end
-        The parameter runs from 0 to here.
+        End of the range of the parameter, which begins at 0.
     """
 
     point: Callable[[Array, int], tuple[Array, Array]]
     end: float
-    joints = ()
 
     @cached_property
     def _table(self) -> tuple[Array, Array, Array]:
-        """Parameters, and arc length and angle there."""
+        """Parameters, and arc length and angle at them."""
         t = np.linspace(0, self.end, _TABLE + 1)
-        nodes, weights = np.polynomial.legendre.leggauss(6)
         half = self.end / _TABLE / 2
-        speeds = self._speed(t[:-1, None] + half * (1 + nodes))
-        S = np.concatenate([[0.0], np.cumsum(half * speeds @ weights)])
+        speeds = self._speed(t[:-1, None] + half * (1 + _NODES))
+        S = np.concatenate([[0.0], np.cumsum(half * speeds @ _WEIGHTS)])
         r_t, z_t = self.point(t, 1)
         return t, S, np.unwrap(np.arctan2(z_t, r_t))
 
@@ -207,15 +191,14 @@ class Parametric:
         return np.hypot(*self.point(t, 1))
 
     def _parameter(self, S: Array) -> Array:
-        """Parameter at an arc length: from the table, then by Newton's method within a piece."""
+        """Return the parameter at arc lengths: from the table, then by Newton's method."""
         table, lengths, _ = self._table
         t = np.interp(S, lengths, table)
         i = np.clip(np.searchsorted(lengths, S, side="right") - 1, 0, _TABLE - 1)
-        nodes, weights = np.polynomial.legendre.leggauss(6)
         for _ in range(_NEWTON_STEPS):
             half = (t - table[i]) / 2
-            inner = self._speed(table[i][..., None] + half[..., None] * (1 + nodes))
-            t = t + (S - lengths[i] - half * (inner @ weights)) / self._speed(t)
+            inner = self._speed(table[i][..., None] + half[..., None] * (1 + _NODES))
+            t = t + (S - lengths[i] - half * (inner @ _WEIGHTS)) / self._speed(t)
         return t
 
     @property
@@ -239,7 +222,7 @@ class Parametric:
         return self.curvature_at(self._parameter(S))
 
     def curvature_at(self, t: Array) -> Array:
-        """Curvature in 1/µm at parameters."""
+        """Return the curvature in 1/µm at parameters."""
         (r_t, z_t), (r_tt, z_tt) = self.point(t, 1), self.point(t, 2)
         return (r_t * z_tt - z_t * r_tt) / np.hypot(r_t, z_t) ** 3
 
@@ -250,7 +233,7 @@ class Parametric:
 
 
 def spheroid(a: float, c: float) -> Parametric:
-    """Meridian of a spheroid with the half axes a, from the axis, and c, along it, in µm."""
+    """Return the meridian of a spheroid: equatorial semi-axis `a`, polar semi-axis `c`, in µm."""
 
     def point(t: Array, order: int) -> tuple[Array, Array]:
         turned = t + order * np.pi / 2
@@ -260,23 +243,19 @@ def spheroid(a: float, c: float) -> Parametric:
 
 
 @dataclass(frozen=True)
-class Polygon:
-    """Straight conical elements between points of a curve: the paper's faceted meridian.
+class Polygon(Curve):
+    """A meridian of straight conical elements, as in the paper.
 
-    Attributes
-    ----------
-    S, R, Z
-        Arc length along the polygon, radius and height of its corners in µm, shape ``(n + 1,)``.
+    `S`, `R` and `Z` are arc length, radius and height of its corners in µm, shape ``(n + 1,)``.
     """
 
     S: Array
     R: Array
     Z: Array
-    joints = ()
 
     @classmethod
     def inscribed(cls, curve: Curve, S: Array) -> Polygon:
-        """Polygon with its corners on a curve at the arc lengths `S` of that curve."""
+        """Return the polygon with its corners on a curve, at arc lengths of that curve."""
         R, Z = curve.radius(S), curve.height(S)
         R[np.isclose(R, 0, atol=1e-12 * curve.length)] = 0
         return cls(np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(R), np.diff(Z)))]), R, Z)
@@ -292,12 +271,9 @@ class Polygon:
         return np.interp(S, self.S, self.Z)
 
     def angle(self, S: Array) -> Array:
-        """Angle of the facet; at a corner the mean of its two neighbours."""
+        """Return the angle of the element; at a corner the mean of its two neighbours."""
         facets = np.unwrap(np.arctan2(np.diff(self.Z), np.diff(self.R)))
-        tiny = 1e-9 * self.length
-        before = np.searchsorted(self.S[1:-1], S - tiny)
-        after = np.searchsorted(self.S[1:-1], S + tiny)
+        near = NEAR * self.length
+        before = np.searchsorted(self.S[1:-1], S - near)
+        after = np.searchsorted(self.S[1:-1], S + near)
         return (facets[before] + facets[after]) / 2
-
-    def curvature(self, S: Array) -> Array:
-        return np.zeros_like(S)

@@ -1,20 +1,15 @@
 """Zones of a wall as intervals of its reference meridian."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .curves import Cap, Curve, Sphere
+from .curves import NEAR, Array, Cap, Curve, Sphere
 from .supports import Pole
 
-Array = NDArray[np.float64]
-
-_LOOKED_AT = 20_001  # points of a curve at which the polar angle is looked at
-NEAR = 1e-9  # of the meridian's length: what lies closer is the same place
+_SAMPLES = 20_001  # points of a curve at which the polar angle is evaluated
 
 
 @dataclass(frozen=True)
@@ -25,7 +20,7 @@ class Interval:
     end: float
 
     def holds(self, S: Array) -> NDArray[np.bool_]:
-        """Which of some arc lengths lie within it."""
+        """Return which arc lengths lie within the interval."""
         return (self.start <= S) & (self.end >= S)
 
 
@@ -33,15 +28,15 @@ Intervals = tuple[Interval, ...]
 
 
 def polar_extent(curve: Curve, pole: Pole, half_angle: float) -> float:
-    """Arc length in µm at which a polar cap ends.
+    """Return the arc length in µm at which a polar cap ends.
 
-    The angle in radians is seen from the middle of the axis, between the poles; for a part of a
-    sphere, from its centre.
+    The angle in radians is measured at the middle of the axis, between the poles; for a part of a
+    sphere, at its centre.
     """
     if isinstance(curve, Sphere | Cap):
         extent = min(half_angle * curve.R0, curve.length)
         return extent if pole == "bottom" else curve.length - extent
-    S = np.linspace(0, curve.length, _LOOKED_AT)
+    S = np.linspace(0, curve.length, _SAMPLES)
     Z = curve.height(S)
     angle = np.arctan2(curve.radius(S), (Z[-1] + Z[0]) / 2 - Z)  # from below
     if pole == "top":
@@ -52,37 +47,37 @@ def polar_extent(curve: Curve, pole: Pole, half_angle: float) -> float:
 
 
 def merged(parts: Iterable[Interval]) -> Intervals:
-    """The same places as one interval for each connected piece, bottom to top."""
-    pieces: list[Interval] = []
+    """Return the union of intervals, one for each connected part, from bottom to top."""
+    union: list[Interval] = []
     for part in sorted(parts, key=lambda part: part.start):
-        if pieces and part.start <= pieces[-1].end:
-            pieces[-1] = Interval(pieces[-1].start, max(pieces[-1].end, part.end))
+        if union and part.start <= union[-1].end:
+            union[-1] = Interval(union[-1].start, max(union[-1].end, part.end))
         else:
-            pieces.append(part)
-    return tuple(pieces)
+            union.append(part)
+    return tuple(union)
 
 
 def edges(parts: Iterable[Interval], curve: Curve) -> list[float]:
-    """Ends of intervals that lie within a curve, sorted; those at one place as one."""
+    """Return the ends of intervals that lie inside a curve, sorted, coincident ones once."""
     near = NEAR * curve.length
     ends = (s for part in parts for s in (part.start, part.end))
     return apart(s for s in ends if near < s < curve.length - near)
 
 
 def neck(growing: Iterable[Interval], curve: Curve) -> float | None:
-    """Edge of what grows, in µm of arc length; None where there is not one alone."""
+    """Return the arc length in µm of the only edge of the growing zones; None if not unique."""
     found = edges(merged(growing), curve)
     return found[0] if len(found) == 1 else None
 
 
 def within(parts: Intervals, start: float, end: float) -> Intervals:
-    """What of some intervals lies between two arc lengths."""
-    cut = (Interval(max(part.start, start), min(part.end, end)) for part in parts)
-    return tuple(part for part in cut if part.start < part.end)
+    """Clip intervals to those parts that lie between two arc lengths."""
+    clipped = (Interval(max(part.start, start), min(part.end, end)) for part in parts)
+    return tuple(part for part in clipped if part.start < part.end)
 
 
 def apart(places: Iterable[float]) -> list[float]:
-    """Places on the meridian, sorted; those that are one but for round-off as one."""
+    """Sort arc lengths; of those that differ only by round-off, keep the first."""
     found: list[float] = []
     for s in sorted(places):
         if not found or s > found[-1] * (1 + NEAR):

@@ -1,6 +1,4 @@
-"""A meridian cut into cells, with some places fixed and a wanted density elsewhere."""
-
-from __future__ import annotations
+"""A mesh of the meridian: its nodes, what they delimit, and where they are placed."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -9,32 +7,27 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from .curves import Curve
+from .curves import Array, Curve
 from .intervals import Intervals, merged
 from .supports import End
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Discretisation:
-    """A meridian cut into cells.
+    """A meridian divided into elements.
 
     Attributes
     ----------
     curve
-        The reference meridian.
+        Reference meridian.
     nodes
-        Arc length of the cells' ends in µm, increasing, shape ``(n + 1,)``.
-    zones
-        Parts of the meridian that each growing zone of the scene covers, their ends among the
-        nodes; empty where nothing grows.
+        Arc length of the nodes in µm, increasing, shape ``(n + 1,)``.
+    zones, wall_zones
+        Intervals of each growing zone and of each zone of the wall; their ends are nodes.
     ends
-        What the lower and the upper end are: a pole, a free edge, or how an edge is held.
-    wall_zones
-        Parts that each zone of the wall covers, as `zones`.
+        What the lower and the upper end are: a pole, a free edge, or the support of an edge.
     loaded
-        Node at which a force acts, in µm of arc length; None where none does.
+        Arc length in µm of the node at which a force acts; None without a force.
     """
 
     curve: Curve
@@ -51,30 +44,30 @@ class Discretisation:
 
     @property
     def growing(self) -> Intervals:
-        """What grows, one interval for each connected piece."""
+        """Union of the growing zones, one interval for each connected part."""
         return merged(part for parts in self.zones for part in parts)
 
 
 def place_nodes(
     length: float, fixed: Sequence[float], elements: int, density: Callable[[Array], Array]
 ) -> Array:
-    """Nodes of a given number of cells, with some places fixed and a wanted density elsewhere.
+    """Place the nodes of a given number of elements by a density, some of them at fixed places.
 
     Parameters
     ----------
     length
         Length of the meridian in µm.
     fixed
-        Arc lengths within it that must be nodes.
+        Arc lengths in µm inside it that must be nodes.
     elements
-        Number of cells; at least one lies between two fixed places.
+        Number of elements; at least one lies between two fixed places.
     density
-        Relative number of cells per length, positive.
+        Relative number of elements per length at arc lengths, positive.
 
     Returns
     -------
     Array
-        Increasing arc lengths, shape ``(elements + 1,)``.
+        Increasing arc lengths in µm, shape ``(elements + 1,)``.
     """
     ends = np.array([0.0, *sorted(fixed), length])
     parts = []
@@ -89,7 +82,7 @@ def place_nodes(
 
 
 def _apportion(shares: Array, total: int) -> NDArray[np.int64]:
-    """Whole numbers of a given sum, at least one each, nearest in proportion to the shares."""
+    """Return integers of a given sum, at least 1 each, nearest in proportion to the shares."""
     counts = np.ones(len(shares), dtype=np.int64)
     while counts.sum() < total:
         counts[np.argmax(shares / (counts + 0.5))] += 1

@@ -1,12 +1,11 @@
 """Ends of a meridian: poles, free edges and supported edges, and what each constrains."""
 
-from __future__ import annotations
-
 from typing import Literal
 
-Edge = Literal["clamped", "hinged", "roller", "axial"]
-End = Literal["pole", "clamped", "hinged", "roller", "axial", "free"]
 Pole = Literal["top", "bottom"]
+Poles = Literal[Pole, "both"]
+Edge = Literal["clamped", "hinged", "roller", "axial"]
+End = Literal["pole", Edge, "free"]
 
 CONSTRAINED: dict[End, tuple[int, ...]] = {
     "pole": (0, 2),

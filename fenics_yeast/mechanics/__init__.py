@@ -3,36 +3,19 @@
 Knows neither scenes nor solvers. A law is one UFL function; its derivatives come from UFL.
 """
 
-from __future__ import annotations
-
 from . import growth_laws, hyperelasticity
-from .gather import Order
 from .growth_laws import WallPoint
 from .growth_state import GrowthState
-from .growth_weights import Gaussian, Weight, Weights
+from .growth_weights import Gaussian, Weight
 from .laws import Law, OwnLaw, Parameter, own_energy, own_growth_law
-from .ordering import DofValues, Ordering, PointValues
-from .shell import Approximation, Shell, ShellState, WallProperties
+from .ordering import DofValues, Order, Ordering, PointValues
+from .quadrature import QuadraturePoints
+from .section import Approximation, WallProperties
+from .shell import Shell, ShellState
 
 __all__ = [
-    "Approximation",
-    "DofValues",
-    "Gaussian",
-    "GrowthState",
-    "Law",
-    "Order",
-    "Ordering",
-    "OwnLaw",
-    "Parameter",
-    "PointValues",
-    "Shell",
-    "ShellState",
-    "WallPoint",
-    "WallProperties",
-    "Weight",
-    "Weights",
-    "growth_laws",
-    "hyperelasticity",
-    "own_energy",
+    "Approximation", "DofValues", "Gaussian", "GrowthState", "Law", "Order", "Ordering",
+    "OwnLaw", "Parameter", "PointValues", "QuadraturePoints", "Shell", "ShellState", "WallPoint",
+    "WallProperties", "Weight", "growth_laws", "hyperelasticity", "own_energy",
     "own_growth_law",
-]
+]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Deformation of the wall: equations (1) to (3) and (6) on the shell's unknowns."""
+"""Deformation of the wall: equations (1) to (3) and (6) as functions of its state."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class Deformation:
     ----------
     R
         Reference radius.
-    current
-        The current meridian.
+    enclosed
+        Enclosed volume per 2π and reference arc length.
     strain, E
-        Membrane and bending strains `(E1m, E2m, E1b, E2b)`, or `(E1m, E2m)` of a membrane; and
-        the same as a UFL variable, through which alone the energy depends on the state.
+        Membrane and bending strains `(E1m, E2m, E1b, E2b)`, or `(E1m, E2m)` of a membrane; the
+        same as a UFL variable, the only argument of the energy that depends on the state.
     eps
         Logarithmic strains `(ε1, ε2)` at each through-thickness integration point.
     gamma, Q
@@ -32,17 +32,12 @@ class Deformation:
     """
 
     R: Any
-    current: Meridian
+    enclosed: Any
     strain: Any
     E: Any
     eps: list[Any]
     gamma: Any = None
     Q: Any = None
-
-    @property
-    def enclosed(self) -> Any:
-        """Enclosed volume per 2π and reference arc length."""
-        return self.current.r**2 * self.current.z_S / 2
 
     @classmethod
     def of_shell(cls, reference_meridian: Any, w: Any, distances: list[Any]) -> Deformation:
@@ -63,7 +58,8 @@ class Deformation:
         E = ufl.variable(strain)
         varied = kinematics.Strains(E[0], E[1], E[2], E[3], parts.gamma)
         eps = [_logarithmic(kinematics.green_lagrange(varied, xi)) for xi in distances]
-        return cls(R, current, strain, E, eps, parts.gamma, Q)
+        enclosed = current.r**2 * current.z_S / 2
+        return cls(R, enclosed, strain, E, eps, parts.gamma, Q)
 
     @classmethod
     def of_membrane(cls, reference_meridian: Any, w: Any) -> Deformation:
@@ -74,7 +70,7 @@ class Deformation:
         strain = ufl.as_vector(kinematics.membrane_strains(R, r, r_S, z_S))
         E = ufl.variable(strain)
         eps = [_logarithmic((E[0], E[1]))]
-        return cls(R, Meridian(r, r_S, z_S, psi=None, psi_S=None), strain, E, eps)
+        return cls(R, r**2 * z_S / 2, strain, E, eps)
 
 
 def _logarithmic(E: tuple[Any, Any]) -> Any:

@@ -4,8 +4,6 @@ A growth rate is a function of a `WallPoint` and returns the rates of `(Îµ1^g, Î
 a UFL vector of two components.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

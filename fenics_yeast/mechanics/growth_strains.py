@@ -5,8 +5,6 @@ The deformation gradient splits as `F = F^e F^g` (4). With principal stretches `
 Every function takes and returns UFL expressions.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import ufl

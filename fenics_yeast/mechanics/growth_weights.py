@@ -1,9 +1,7 @@
 """Weights of growth, a field `w(S, t)` at the growing points: when and where a zone grows."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any, Literal
 
@@ -11,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import Intervals
-from .gather import Order
-
-Array = NDArray[np.float64]
+from ..geometry import Array, Intervals
+from .ordering import Order
+from .quadrature import QuadraturePoints
 
 
 @dataclass(frozen=True)
@@ -24,8 +21,7 @@ class Gaussian:
     Attributes
     ----------
     centre
-        Reference arc length of the centre in µm, or the pole from which arc length is measured
-        along the current wall.
+        Reference arc length in µm, or the pole from which that of the current wall is measured.
     width
         Standard deviation in µm.
     """
@@ -33,9 +29,15 @@ class Gaussian:
     centre: float | Literal["bottom", "top"]
     width: float
 
-    def at(self, distance: Array) -> Array:
-        """Return the weight at arc lengths in µm from the centre."""
-        return np.exp(-((distance / self.width) ** 2) / 2)
+    @property
+    def follows_tip(self) -> bool:
+        """Whether arc length is that of the current wall."""
+        return isinstance(self.centre, str)
+
+    def at(self, s: Array, length: float = inf) -> Array:
+        """Return the weight at arc lengths in µm along a meridian of a length."""
+        centre = length if self.centre == "top" else 0.0 if self.centre == "bottom" else self.centre
+        return np.exp(-(((s - centre) / self.width) ** 2) / 2)
 
 
 @dataclass(frozen=True)
@@ -44,12 +46,10 @@ class Weight:
 
     Attributes
     ----------
-    parts
-        Parts of the meridian that it covers.
-    span
-        Times in min at which growth begins and ends.
+    parts, span
+        Parts of the meridian that the zone covers; times in min at which growth begins and ends.
     gaussian
-        How it falls off; None for 1.
+        Decrease with arc length; None for 1.
     """
 
     parts: Intervals
@@ -57,140 +57,90 @@ class Weight:
     gaussian: Gaussian | None = None
 
     def grows(self, start: float, end: float) -> bool:
-        """Return whether it grows between two times or, at equal times, just after."""
+        """Return whether the zone grows between two times or, at equal times, just after."""
         begins, ends = self.span
         return begins <= (start + end) / 2 < ends
 
 
-@dataclass(frozen=True)
-class Weights:
-    """Weights of all zones of a wall."""
-
-    zones: tuple[Weight, ...]
+Weights = tuple[Weight, ...]
+"""Weights of all zones of a wall."""
 
 
 class WeightField:
     """Weights at the quadrature points of the growing elements.
 
-    A weight that follows the tip depends on the shape of the whole wall. It is updated with growth
-    in every stage and iteration, which preserves the order of time integration; the tangents omit
-    its derivative.
+    A weight that follows the tip depends on the shape of the whole wall. It is updated with the
+    growth strains in every iteration, which preserves the order of time integration; the tangents
+    omit its derivative.
 
     Parameters
     ----------
-    mesh
-        Interval mesh of the wall.
-    elements
-        Local growing elements, ghosts among them.
-    degree
-        Degree of the quadrature rule.
-    S
-        Arc length of the quadrature points of all local elements, shape ``(elements, points)``.
+    points, weights
+        Quadrature points of the growing elements; weights of the zones.
     stretch
-        Stretch of the meridian, in UFL.
-    weights
-        Weights of the zones.
+        Meridional stretch `λ1` of the mid-surface in UFL.
 
     Attributes
     ----------
     function
-        Their values, a scalar in UFL.
+        The weights, a scalar in UFL.
     """
 
-    def __init__(
-        self,
-        mesh: Any,
-        elements: NDArray[np.int32],
-        degree: int,
-        S: Array,
-        stretch: Any,
-        weights: Weights,
-    ) -> None:
-        space = dx.quadrature_space(mesh, 1, degree)
-        field = dx.fem.Function(space)
-        self.function = field[0]
-        self._values, dofs = field.x.array, dx.dof_array(space)
-        self._zones = weights.zones
-        self._places = [_within(S, elements, weight.parts) for weight in self._zones]
-        self._dofs = [dofs[inside] for inside in self._places]
-        self._S = S
-        moving = [w for w in self._zones if w.gaussian and isinstance(w.gaussian.centre, str)]
-        self._arc_length = _ArcLength(mesh, degree, stretch) if moving else None
-        self._grows: Sequence[bool] = ()
+    def __init__(self, points: QuadraturePoints, stretch: Any, weights: Weights) -> None:
+        field, self._dofs = points.function(1)
+        self.function, self._values = field[0], field.x.array
+        self._S, self._zones = points.S, weights
+        self._inside = [points.inside(zone.parts) for zone in self._zones]
+        moving = any(zone.gaussian and zone.gaussian.follows_tip for zone in self._zones)
+        self._arc_length = _ArcLength(points, stretch) if moving else None
         self.set_interval(0.0, 0.0)
 
     def set_interval(self, start: float, end: float) -> None:
         """Set the weights of an interval in min or, at equal times, of just after."""
-        grows = [weight.grows(start, end) for weight in self._zones]
-        if grows == self._grows:
-            return
-        self._grows = grows
-        for weight, on, inside, dofs in self._each():
-            if weight.gaussian is None or not on:
-                self._values[dofs] = float(on)
-            elif not isinstance(weight.gaussian.centre, str):
-                self._values[dofs] = weight.gaussian.at(self._S[inside] - weight.gaussian.centre)
+        self._growing = [zone.grows(start, end) for zone in self._zones]
+        for gaussian, grows, inside in self._each():
+            if gaussian is None or not grows:
+                self._values[self._dofs[inside]] = float(grows)
+            elif not gaussian.follows_tip:
+                self._values[self._dofs[inside]] = gaussian.at(self._S[inside])
 
     def update(self) -> None:
         """Update weights that follow the tip to the trial state."""
         if self._arc_length is None:
             return
-        s, whole = self._arc_length.at_points()
-        for weight, on, inside, dofs in self._each():
-            if on and weight.gaussian is not None and isinstance(weight.gaussian.centre, str):
-                distance = s[inside] if weight.gaussian.centre == "bottom" else whole - s[inside]
-                self._values[dofs] = weight.gaussian.at(distance)
+        s, length = self._arc_length.at_points()
+        for gaussian, grows, inside in self._each():
+            if grows and gaussian is not None and gaussian.follows_tip:
+                self._values[self._dofs[inside]] = gaussian.at(s[inside], length)
 
-    def _each(self) -> Any:
-        return zip(self._zones, self._grows, self._places, self._dofs, strict=True)
-
-
-def _within(S: Array, elements: NDArray[np.int32], parts: Intervals) -> NDArray[np.int32]:
-    """Return the elements that lie in parts of the meridian."""
-    middle = S[elements].mean(axis=1)
-    inside = np.zeros(len(elements), dtype=bool)
-    for part in parts:
-        inside |= part.holds(middle)
-    return elements[inside]
+    def _each(self) -> Iterator[tuple[Gaussian | None, bool, NDArray[np.bool_]]]:
+        gaussians = [zone.gaussian for zone in self._zones]
+        return zip(gaussians, self._growing, self._inside, strict=True)
 
 
 class _ArcLength:
-    """Arc length of the current meridian at the quadrature points.
+    """Arc length along the current meridian at quadrature points, from the stretch in UFL."""
 
-    Parameters
-    ----------
-    mesh
-        Interval mesh of the wall.
-    degree
-        Degree of its quadrature rule.
-    stretch
-        Stretch of the meridian, a scalar in UFL.
-    """
-
-    def __init__(self, mesh: Any, degree: int, stretch: Any) -> None:
-        self._mesh = mesh
-        ends = mesh.geometry.x[dx.element_vertices(mesh), 0]
-        self._length = np.ptp(ends, axis=1)
-        elements = np.arange(len(ends), dtype=np.int32)
-        owned = elements < mesh.topology.index_map(1).size_local
-        self._elements, self._order = elements, Order(mesh.comm, ends.min(axis=1), owned)
-        places = dx.quadrature_points(degree)
-        self._stretch = dx.compile_expression(stretch, places)
+    def __init__(self, points: QuadraturePoints, stretch: Any) -> None:
+        self._elements, mesh = points.elements, points.mesh
+        count = len(dx.element_vertices(mesh))
+        every = replace(points, elements=np.arange(count, dtype=np.int32))
+        self._length = np.ptp(every.ends, axis=1)
+        self._order = Order(mesh.comm, every.ends.min(axis=1), every.owned)
+        self._stretch = every.compile([stretch])
         # Integrals of the polynomial through the points, from an element's start to each of them
-        # and over the whole element. Elements point upward, like the mesh.
+        # and over the whole element.
+        places = dx.quadrature_points(points.degree)
         powers = np.arange(1, len(places) + 1)
         coefficients = np.linalg.inv(places ** (powers - 1))
         self._up_to = places**powers / powers @ coefficients
         self._whole = 1 / powers @ coefficients
 
     def at_points(self) -> tuple[Array, float]:
-        """Return arc length from the bottom at the local points, and the whole length; µm.
-
-        The shape of the first is ``(elements, points)``; collective.
-        """
-        stretch = dx.evaluate(self._stretch, self._mesh, self._elements)
+        """Return arc length from the bottom at the points, and the whole length, in µm."""
+        stretch = self._stretch()
         lengths = self._order.allgather(self._length * (stretch @ self._whole))
         total = np.cumsum(lengths)
         first = (total - lengths)[self._order.places]
         inside = self._length[:, None] * (stretch @ self._up_to.T)
-        return first[:, None] + inside, float(total[-1])
+        return (first[:, None] + inside)[self._elements], float(total[-1])

@@ -5,8 +5,6 @@ A strain energy is a function of the principal elastic logarithmic strains, a UF
 give stresses and tangents.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -34,10 +32,8 @@ def ogden(eps_e: Any, mu: Any, alpha: Any) -> Any:
     ----------
     eps_e
         Elastic logarithmic strains `(ε1^e, ε2^e)`.
-    mu
-        Shear modulus μ in MPa.
-    alpha
-        Exponent α, not zero; 2 gives the neo-Hookean wall.
+    mu, alpha
+        Shear modulus μ in MPa; exponent α, not zero, 2 for the neo-Hookean wall.
     """
     lambda_1 = ufl.exp(alpha * eps_e[0])
     lambda_2 = ufl.exp(alpha * eps_e[1])
@@ -92,10 +88,8 @@ class Material:
 
     Attributes
     ----------
-    psi
-        Strain energy.
-    per_grown
-        Whether energy is per unit grown volume; otherwise it is per unit reference volume.
+    psi, per_grown
+        Strain energy; whether it is per unit grown volume or per unit reference volume.
     thinning
         Strain `ε3^e` through the wall, a function of the elastic strains; None for constant
         thickness.

@@ -5,8 +5,6 @@ straight elements, where `Φ' = 0`, they reduce to the paper's.
 Every function takes and returns UFL expressions.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import ufl

@@ -1,21 +1,18 @@
 """Material laws with parameters, which become coefficients of the compiled forms."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import wraps
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from ufl.core.expr import Expr
 
+from ..geometry import Array
 from .growth_weights import Weights
 
-Array = NDArray[np.float64]
-
 Parameter = float | Callable[[Array], Array] | Weights
+"""A number, a function of the reference arc length in µm (arrays of one shape in and out), or
+weights that change in time."""
 
 
 @dataclass(frozen=True)
@@ -28,21 +25,20 @@ class Law:
         Strain energy, a function of the elastic strains (see `hyperelasticity`), or growth rate,
         a function of a `WallPoint` (see `growth_laws`); further arguments are its parameters.
     parameters
-        Their values in µm, MPa and min: a number, a function of the reference arc length in µm
-        (arrays of one shape in and out) or, of a growth rate, weights that change in time.
+        Their values in µm, MPa and min; weights only in a growth rate.
     """
 
     function: Callable[..., Any]
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
 
     def on(self, coefficient: Callable[[Parameter], Any]) -> Callable[[Any], Any]:
-        """Return the function with its parameters as coefficients of a wall."""
+        """Return the function with its parameters as coefficients of a wall, in UFL."""
         values = {name: coefficient(value) for name, value in self.parameters.items()}
         return lambda argument: self.function(argument, **values)
 
 
 OwnLaw = Law | Callable[..., Any]
-"""A law of the user's own: a UFL function, or a `Law` that gives it parameters."""
+"""A user's own law: a UFL function, or a `Law` that gives it parameters."""
 
 _EXPECTED: dict[tuple[int, ...], str] = {
     (): "expected a scalar UFL expression in MPa",
@@ -56,15 +52,15 @@ def own_energy(law: OwnLaw) -> Law:
     Raises
     ------
     TypeError
-        If it is not a function or, when it is called, returns no UFL expression.
+        If it is not a function or, later, if it does not return a UFL expression.
     ValueError
-        If, when it is called, the function raises an error or returns another shape.
+        If, later, the function raises an error or returns an expression of the wrong shape.
     """
     return _checked(law, "strain energy", ())
 
 
 def own_growth_law(law: OwnLaw) -> Law:
-    """Return a user's growth rate as a law that checks what it returns, like `own_energy`."""
+    """Return a user's growth rate as a law that checks its result, like `own_energy`."""
     return _checked(law, "growth law", (2,))
 
 

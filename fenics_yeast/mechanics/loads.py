@@ -1,15 +1,11 @@
-"""A dead force along the axis at a node of the meridian."""
-
-from __future__ import annotations
+"""A dead axial force at a node of the meridian."""
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-
-Array = NDArray[np.float64]
+from ..geometry import NEAR, Array
 
 
 class NodalForce:
@@ -17,24 +13,20 @@ class NodalForce:
 
     Parameters
     ----------
-    w
-        Trial state of the wall, a function of its space.
-    comm
-        MPI communicator that shares the wall.
-    S
-        Arc length of the node in µm.
-    scale
-        Displacement in µm that counts as small.
+    w, comm
+        Trial state of the wall and the MPI communicator that shares it.
+    S, scale
+        Arc length of the node and a small displacement, in µm.
 
     Attributes
     ----------
     value
-        The force in µN, positive towards the top.
+        The force `F` in µN, positive towards the top.
     """
 
     def __init__(self, w: Any, comm: Any, S: float, scale: float) -> None:
         places, dofs = dx.node_dofs(w.function_space)
-        here = np.abs(places - S) < 1e-9 * max(S, 1.0)
+        here = np.abs(places - S) < NEAR * max(S, 1.0)
         self._dofs, self._comm = dofs[here, 1], comm  # empty on ranks that do not own the node
         self._w = w.x.array
         self.value = self._origin = 0.0

@@ -1,9 +1,7 @@
-"""The state of a shell in an order that is the same on any number of ranks.
+"""Values along the wall in an order that is the same on any number of ranks.
 
 DOFs are ordered by component and arc length, values at growing points by arc length.
 """
-
-from __future__ import annotations
 
 from dataclasses import is_dataclass, replace
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
@@ -12,37 +10,88 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from .gather import Order
-from .shell import Shell
+from ..geometry import Array
+from .quadrature import QuadraturePoints
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 _DOFS, _POINTS = "dofs", "points"
 
 # Annotations of arrays in frozen dataclasses, by which they are ordered.
 DofValues = Annotated[Array, _DOFS]
-"""Local coefficients of the mixed space, ghosts among them; ordered: of all ranks."""
+"""Local coefficients of the wall's space, ghosts among them; ordered: of all ranks."""
 PointValues = Annotated[Array, _POINTS]
 """Values of the local growing elements, shaped like `GrowthState.get`; ordered: of all ranks."""
 
 
-class Ordering:
-    """The order of the DOFs and growing points of a shell; its methods are collective."""
+class Order:
+    """The order of local items, such as nodes or elements, by keys such as arc length.
 
-    def __init__(self, shell: Shell) -> None:
-        self._comm = shell.comm
-        components, S = dx.dof_places(shell.space)
-        span = 2 * shell.discretisation.curve.length
-        dofmap = shell.space.dofmap
+    Parameters
+    ----------
+    comm
+        MPI communicator; construction and all methods are collective.
+    keys
+        Keys of the local items, unique over all ranks, shape ``(items,)``.
+    owned
+        Which of them this rank owns; by default all.
+
+    Attributes
+    ----------
+    places
+        Index of each local item in the order.
+    """
+
+    def __init__(self, comm: Any, keys: Array, owned: NDArray[np.bool_] | None = None) -> None:
+        self._comm = comm
+        self._owned = np.ones(len(keys), dtype=bool) if owned is None else owned
+        everyone = np.concatenate(comm.allgather(keys[self._owned]))
+        self._order = np.argsort(everyone)
+        ranked = everyone[self._order]
+        # The same key may differ by round-off from rank to rank.
+        self.places = np.searchsorted((ranked[1:] + ranked[:-1]) / 2, keys)
+
+    def gather(self, values: NDArray[Any]) -> NDArray[Any] | None:
+        """Return the ordered values of all ranks on rank 0, None on others."""
+        parts = self._comm.gather(values[self._owned])
+        return None if parts is None else np.concatenate(parts)[self._order]
+
+    def allgather(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return the ordered values of all ranks."""
+        return np.concatenate(self._comm.allgather(values[self._owned]))[self._order]
+
+    def scatter(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return the local part of ordered values.
+
+        Raises
+        ------
+        ValueError
+            If their number differs from that of all items.
+        """
+        if len(values) != len(self._order):
+            raise ValueError(f"expected {len(self._order)} values, not {len(values)}")
+        return np.ascontiguousarray(values[self.places])
+
+
+class Ordering:
+    """The order of a wall's DOFs and growing points; its methods are collective.
+
+    Parameters
+    ----------
+    space, growing
+        Space of the wall's state; quadrature points of the growing elements.
+    """
+
+    def __init__(self, space: Any, growing: QuadraturePoints) -> None:
+        self._comm = comm = space.mesh.comm
+        components, S = dx.dof_places(space)
+        span = 2 * comm.allreduce(S.max(initial=0.0), op=dx.MPI.MAX)
+        dofmap = space.dofmap
         owned = dofmap.index_map.size_local * dofmap.index_map_bs
-        elements = shell.growing_elements
-        points = shell.quadrature_S[elements]
-        mine = elements < shell.mesh.topology.index_map(1).size_local
-        self._shape = points.shape
+        self._shape = growing.S.shape
         self._kinds = {
-            _DOFS: Order(shell.comm, components * span + S, np.arange(len(S)) < owned),
-            _POINTS: Order(shell.comm, points.ravel(), np.repeat(mine, points.shape[1])),
+            _DOFS: Order(comm, components * span + S, np.arange(len(S)) < owned),
+            _POINTS: Order(comm, growing.S.ravel(), np.repeat(growing.owned, self._shape[1])),
         }
 
     def ordered(self, record: T) -> T | None:

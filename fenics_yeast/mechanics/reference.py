@@ -1,6 +1,4 @@
-"""The unloaded wall on its mesh: meridian, quadrature points and growing elements."""
-
-from __future__ import annotations
+"""The unloaded wall on its mesh: meridian, quadrature points, coefficients and supports."""
 
 from typing import Any
 
@@ -10,64 +8,45 @@ from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import CONSTRAINED, Discretisation
-from .growth_weights import Weights
 from .laws import Parameter
-
-Array = NDArray[np.float64]
+from .quadrature import QuadraturePoints
 
 ELASTIC, GROWING = 0, 1
 AXIAL, ROTATION = 1, 2  # components of (u_r, u_z, β)
 
 
 class Reference:
-    """The unloaded wall of a discretisation.
-
-    Parameters
-    ----------
-    discretisation
-        Reference meridian, elements and zones.
-    comm
-        MPI communicator that shares the mesh.
-    order
-        Lagrange degree of displacement and rotation.
+    """The unloaded wall of a discretisation, for displacements of a Lagrange degree.
 
     Attributes
     ----------
-    mesh, degree
-        Interval mesh, and degree of its quadrature rule.
-    quadrature_S
-        Arc length in µm of the quadrature points, shape ``(elements, points)``.
-    growing_elements
-        Indices of the local elements that grow, ghosts among them.
+    mesh
+        Interval mesh of the meridian, shared by a communicator.
+    points, growing_points
+        Quadrature points of the local elements, and of those that grow.
     """
 
     def __init__(self, discretisation: Discretisation, comm: Any, order: int) -> None:
         self.discretisation = discretisation
         self.mesh = mesh = dx.interval_mesh(comm, discretisation.nodes)
-        self.degree = 2 * order - 1  # as many Gauss points as the order, which avoids locking
-        places = dx.quadrature_points(self.degree).ravel()
-        vertices = mesh.geometry.x[dx.element_vertices(mesh), 0]
-        S = vertices[:, :1] + (vertices[:, 1:] - vertices[:, :1]) * places
-        grows = np.zeros(len(S), dtype=bool)
-        for part in discretisation.growing:
-            grows |= part.holds(S.mean(axis=1))
-        self.quadrature_S: Array = S
-        self.growing_elements = np.flatnonzero(grows).astype(np.int32)
-        self._grows = grows
+        elements = np.arange(len(dx.element_vertices(mesh)), dtype=np.int32)
+        # As many Gauss points as the order, which avoids locking.
+        self.points = QuadraturePoints(mesh, elements, degree=2 * order - 1)
+        self._grows = self.points.inside(discretisation.growing)
+        self.growing_points = self.points.at(self._grows)
 
     def meridian(self) -> tuple[Any, Any, Any]:
         """Return radius, angle and curvature `R, Φ, Φ'` at the quadrature points, in UFL."""
-        curve, S = self.discretisation.curve, self.quadrature_S
-        space = dx.quadrature_space(self.mesh, 3, self.degree)
-        function = dx.fem.Function(space)
+        curve, S = self.discretisation.curve, self.points.S
+        function, dofs = self.points.function(3)
         values = np.stack([curve.radius(S), curve.angle(S), curve.curvature(S)], axis=-1)
-        function.x.array[dx.dof_array(space)] = values.reshape(len(S), -1)
+        function.x.array[dofs] = values.reshape(len(S), -1)
         return function[0], function[1], function[2]
 
     def measure(self) -> Any:
         """Return the UFL measure `dS`, with subdomains `ELASTIC` and `GROWING`."""
         tags = np.where(self._grows, GROWING, ELASTIC).astype(np.int32)
-        metadata = {"quadrature_degree": self.degree, "quadrature_rule": "default"}
+        metadata = {"quadrature_degree": self.points.degree, "quadrature_rule": "default"}
         return ufl.Measure(
             "dx",
             domain=self.mesh,
@@ -80,14 +59,13 @@ class Reference:
         return dx.fem.Constant(self.mesh, np.float64(value))
 
     def coefficient(self, value: Parameter) -> Any:
-        """Return a number as a constant, a function of arc length as a quadrature field."""
-        if isinstance(value, Weights):
+        """Return a number as a constant, a function of arc length as a quadrature function."""
+        if isinstance(value, tuple):
             raise TypeError("only parameters of a growth law can be weights")
         if not callable(value):
             return self.constant(value)
-        space = dx.quadrature_space(self.mesh, 1, self.degree)
-        function = dx.fem.Function(space)
-        function.x.array[dx.dof_array(space)] = value(self.quadrature_S)
+        function, dofs = self.points.function(1)
+        function.x.array[dofs] = value(self.points.S)
         return function[0]
 
     def constrain_ends(self, space: Any, bending: bool) -> tuple[list[Any], NDArray[np.int32]]:

@@ -1,24 +1,17 @@
-"""The output directory of a run: written as the run goes, read back, resumed, interrupted.
+"""The output directory of a run: written during the run, read, resumed, interrupted.
 
-Rank 0 alone writes. Reading needs no dolfinx.
+Only rank 0 writes. Reading needs no dolfinx.
 """
 
-from __future__ import annotations
-
-from .folder import MERIDIAN, SERIES, SHAPES, SURFACES, VOLUME, OutputError, replace_file, writing
+from .errors import DolfinxMissing, OutputError, RunLost
+from .files import FIGURES, MERIDIAN, SERIES, SHAPES, SURFACES, VOLUME, replace_file, writing
 from .interrupts import SIGNALS, interrupt
-from .job import DolfinxMissing, Job, RunLost, Screen, run_into
-from .reading import (
-    read_ending,
-    read_error_bars,
-    read_history,
-    read_profiles,
-    read_result,
-    read_scene,
-    read_status,
-)
+from .job import Job, Screen
+from .reading import read_history, read_profiles, read_result, read_scene
+from .summary import Summary, read_summary
 
 __all__ = [
+    "FIGURES",
     "MERIDIAN",
     "SERIES",
     "SHAPES",
@@ -30,15 +23,13 @@ __all__ = [
     "OutputError",
     "RunLost",
     "Screen",
+    "Summary",
     "interrupt",
-    "read_ending",
-    "read_error_bars",
     "read_history",
     "read_profiles",
     "read_result",
     "read_scene",
-    "read_status",
+    "read_summary",
     "replace_file",
-    "run_into",
     "writing",
 ]

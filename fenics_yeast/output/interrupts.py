@@ -1,6 +1,6 @@
-"""Ctrl-C and its like during a run: the first one ends it, and no further one harms what it left.
+"""Ctrl-C and similar signals: the first ends the run, further ones do not harm its results.
 
-On several ranks an interrupt waits for the end of a step besides.
+On several ranks, an interrupt waits for the end of a step.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ _Handler = Callable[[int, FrameType | None], Any]
 
 
 def interrupt(*_: object) -> NoReturn:
-    """Handle a signal as Python does Ctrl-C."""
+    """Handle a signal like Ctrl-C."""
     raise KeyboardInterrupt
 
 
 class Interrupts:
     """The signals that interrupt a run: a context manager, and an `Observer` of the run.
 
-    On one rank, the first signal does at once what it did before. On several it waits for the end
-    of a step: the launcher signals every rank at some instant of its own, and a KeyboardInterrupt
-    raised there would leave other ranks waiting for it. Rank 0 therefore raises it as an observer.
+    On one rank, the first signal calls its previous handler at once. On several, it waits for the
+    end of a step: the launcher signals each rank at a different moment, and a KeyboardInterrupt
+    there would leave other ranks waiting. Rank 0 therefore raises it as an observer.
 
-    What comes after a KeyboardInterrupt, or after `hold`, waits for `release`: somebody who
-    presses Ctrl-C twice, or a batch system that repeats itself, does not lose the results.
+    Signals after a KeyboardInterrupt, or after `hold`, wait for `release`, so that a second
+    Ctrl-C, or a repeated signal of a batch system, does not lose the results.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Interrupts:
         if threading.current_thread() is threading.main_thread():
             for number in map(int, SIGNALS):
                 handler = signal.getsignal(number)
-                if callable(handler):  # others are ignored, as nohup wants, or end the process
+                if callable(handler):  # others are ignored, as under nohup, or end the process
                     self._before[number] = handler
                 elif self._at_steps and handler is signal.SIG_DFL:
                     self._before[number] = interrupt
@@ -68,20 +68,20 @@ class Interrupts:
             signal.signal(number, handler)
 
     def accepted(self, row: Row) -> None:
-        """Raise a KeyboardInterrupt if ranks have been signalled, or if PETSc has lost one."""
+        """Raise a KeyboardInterrupt if a rank was signalled, or if PETSc swallowed one."""
         if self.acted or (self._at_steps and self._heard):
             self._heard = False
             raise KeyboardInterrupt
 
     def saved(self, profile: Profile) -> None:
-        """Nothing: a step has just come to its end."""
+        """Ignore profiles."""
 
     def hold(self) -> None:
-        """Let signals wait from now on."""
+        """Let signals wait."""
         self._held = True
 
     def release(self) -> None:
-        """Let them act again; raise a KeyboardInterrupt on one rank if any has been waiting."""
+        """Let signals act again; on one rank, raise a KeyboardInterrupt if one was waiting."""
         self._held = False
         if self._heard and not self._at_steps:
             self._heard = False

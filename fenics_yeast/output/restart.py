@@ -1,29 +1,29 @@
-"""What an output folder holds for a run of a scene to go on from."""
-
-from __future__ import annotations
+"""Find where a run can resume from its output directory."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..scene import Run, Scene, SceneError, flatten
-from ..simulation import Checkpoint, CheckpointError, Result, ResumePoint
+from ..simulation import ANSWERS, Checkpoint, CheckpointError, Result, ResumePoint
 from ..solve import same_time
-from .folder import CHECKPOINT, OutputError
-from .reading import read_history, read_profiles, read_result, read_scene, read_status
+from .errors import OutputError
+from .files import CHECKPOINT
+from .reading import read_history, read_profiles, read_result, read_scene
+from .summary import read_summary
 
-_ANEW = "leave out --resume to run the scene anew"
+FROM_START = "omit --resume to run the scene from the start"
 
 
 @dataclass(frozen=True)
 class EarlierRun:
-    """What an earlier run has left.
+    """An earlier run in an output directory.
 
     Attributes
     ----------
     start
-        Where it can be taken up; None if nowhere.
+        State from which it can resume, or None.
     ended
-        What it found, if there is nothing to be added.
+        Its result, if nothing remains to be computed.
     """
 
     start: ResumePoint | None = None
@@ -31,15 +31,15 @@ class EarlierRun:
 
 
 def find_earlier_run(directory: Path, scene: Scene) -> EarlierRun:
-    """Find out how a scene goes on that was run into a folder before.
+    """Return how far a scene was run into a directory before.
 
-    The scene must be the earlier one, but for its title and its `run`: a run goes on to another
-    end, with other saved times ahead.
+    The scene must be the earlier one except for its title and table `run`: a run may resume to
+    another end, with other saved times ahead.
 
     Raises
     ------
     OutputError
-        If the folder is that of another scene, or damaged.
+        If the directory belongs to another scene, or is damaged.
     """
     checkpoint = _load(directory / CHECKPOINT)
     try:
@@ -50,17 +50,19 @@ def find_earlier_run(directory: Path, scene: Scene) -> EarlierRun:
         else:
             return EarlierRun()
     except SceneError:
-        problem = f"{directory}: holds a scene that this version cannot read; {_ANEW}"
+        problem = f"{directory}: its scene cannot be read by this version; {FROM_START}"
         raise OutputError(problem) from None
     if (difference := _difference(earlier, scene)) is not None:
         raise OutputError(
-            f"{directory}: holds a run of another scene, with {difference}; choose another folder"
+            f"{directory}: has a run of another scene ({difference}); choose another directory"
         )
-    ended = None
-    if read_status(directory) in ("finished", "no-equilibrium"):
-        ended = read_result(directory)
+    summary = read_summary(directory)
+    answered = summary is not None and summary.status in ANSWERS
+    ended = read_result(directory) if answered else None
     if checkpoint is None:
-        return EarlierRun(ended=ended if ended is not None and earlier.run == scene.run else None)
+        return EarlierRun(ended=ended if earlier.run == scene.run else None)
+    if summary is not None:  # it includes time after the checkpoint
+        checkpoint = replace(checkpoint, timings=summary.timings)
     start = _start(directory, checkpoint)
     run, time = scene.run, checkpoint.stepper.time
     if run is None:
@@ -80,54 +82,52 @@ def _load(path: Path) -> Checkpoint | None:
     except FileNotFoundError:
         return None
     except CheckpointError as error:
-        raise OutputError(f"{path}: {error}; {_ANEW}") from None
+        raise OutputError(f"{path}: {error}; {FROM_START}") from None
     except OSError as error:
-        raise OutputError(f"{path}: cannot be read: {error.strerror}; {_ANEW}") from None
+        raise OutputError(f"{path}: cannot be read: {error.strerror}; {FROM_START}") from None
 
 
 def _start(directory: Path, checkpoint: Checkpoint) -> ResumePoint:
-    """Complete a checkpoint by the rows and profiles that it counts."""
+    """Complete a checkpoint with the rows and profiles before it."""
     recorder = checkpoint.recorder
     rows = read_history(directory).rows[: recorder.rows]
     profiles = read_profiles(directory).all[: recorder.profiles]
-    lacking = None
+    missing = None
     if len(rows) < recorder.rows or rows[-1].time_min != checkpoint.stepper.time:
-        lacking = f"row {recorder.rows} of the history"
+        missing = f"row {recorder.rows} of the history"
     elif len(profiles) < recorder.profiles:
-        lacking = f"profile {recorder.profiles}"
-    if lacking is not None:
-        raise OutputError(f"{directory}: has lost {lacking}, which its checkpoint needs; {_ANEW}")
-    if read_status(directory) is not None:  # what came after the checkpoint took its time too
-        checkpoint = replace(checkpoint, timings=read_result(directory).timings)
+        missing = f"profile {recorder.profiles}"
+    if missing is not None:
+        raise OutputError(
+            f"{directory}: {missing} is missing, which the checkpoint needs; {FROM_START}"
+        )
     return ResumePoint(checkpoint, tuple(rows), tuple(profiles))
 
 
 def _agree(directory: Path, start: ResumePoint, run: Run) -> None:
-    """Refuse a span of time that is behind the run, or should have been saved."""
-    time = start.checkpoint.stepper.time
+    """Refuse an end, or a newly saved time, that the run has passed."""
+    time, problem = start.checkpoint.stepper.time, None
     if run.end < time and not same_time(run.end, time):
-        problem = f"has come to {time:g} min already, beyond run.end ({run.end:g} min)"
-        raise OutputError(f"{directory}: {problem}; {_ANEW}")
-    for wanted in run.save:
-        passed = wanted < time or same_time(wanted, time)
-        if passed and not any(same_time(profile.time, wanted) for profile in start.profiles):
-            problem = f"has passed {wanted:g} min, which was not to be saved then"
-            raise OutputError(f"{directory}: {problem}; {_ANEW}")
+        problem = f"already at {time:g} min, beyond run.end = {run.end:g} min"
+    for saved in run.save:
+        passed = saved < time or same_time(saved, time)
+        if passed and not any(same_time(profile.time, saved) for profile in start.profiles):
+            problem = problem or f"{saved:g} min was added to run.save too late"
+    if problem is not None:
+        raise OutputError(f"{directory}: cannot resume: {problem}; {FROM_START}")
 
 
 def _difference(earlier: Scene, scene: Scene) -> str | None:
-    """First value in which two scenes differ, but for title and span of time."""
+    """Return the first value in which two scenes differ, except title and table `run`."""
     old, new = flatten(earlier), flatten(scene)
     if (earlier.run is None) != (scene.run is None):
-        return "a [run] table" if scene.run is None else "no [run] table"
+        return "with a table [run]" if scene.run is None else "without a table [run]"
     for key in {**old, **new}:
         if key == "title" or key.startswith("run."):
             continue
         if old.get(key) != new.get(key):
-            was, now = (_text(values.get(key)) for values in (old, new))
-            return f"{key} = {was} in place of {now}"
+            was, now = (
+                "none" if (value := values.get(key)) is None else value for values in (old, new)
+            )
+            return f"{key} = {was}, not {now}"
     return None
-
-
-def _text(value: object) -> str:
-    return "none" if value is None else str(value)

@@ -3,55 +3,22 @@
 A scene is validated once and frozen; inside it every quantity is a number in µm, MPa and min.
 """
 
-from __future__ import annotations
-
 from .cell import Cell
 from .errors import SceneError, value_text
 from .growth import Growth, Polarity
 from .keys import fields_of, flatten, keys_of, parse_assignment, parse_value, unit_symbol, value_of
-from .load import Load
+from .loads import Load, PressureTable, Septum, Turgor
 from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from .run import Control, Run, StaticPath, Until
 from .scene import Scene
-from .septum import Septum
-from .turgor import PressureTable, Turgor
 from .units import Unit
 from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
 from .zone import Zone
 
 __all__ = [
-    "PRESETS",
-    "AnyWall",
-    "Cell",
-    "Control",
-    "Geometry",
-    "Grading",
-    "Growth",
-    "Integrator",
-    "LinearWall",
-    "Load",
-    "Numerics",
-    "OgdenWall",
-    "Polarity",
-    "Preset",
-    "PressureTable",
-    "Run",
-    "Scene",
-    "SceneError",
-    "Septum",
-    "StaticPath",
-    "Turgor",
-    "Unit",
-    "Until",
-    "Wall",
-    "WallZone",
-    "Zone",
-    "fields_of",
-    "flatten",
-    "keys_of",
-    "parse_assignment",
-    "parse_value",
-    "unit_symbol",
-    "value_of",
-    "value_text",
-]
+    "PRESETS", "AnyWall", "Cell", "Control", "Geometry", "Grading", "Growth", "Integrator",
+    "LinearWall", "Load", "Numerics", "OgdenWall", "Polarity", "Preset", "PressureTable", "Run",
+    "Scene", "SceneError", "Septum", "StaticPath", "Turgor", "Unit", "Until", "Wall",
+    "WallZone", "Zone", "fields_of", "flatten", "keys_of", "parse_assignment", "parse_value",
+    "unit_symbol", "value_of", "value_text",
+]  # fmt: skip

@@ -1,4 +1,4 @@
-"""The table `[cell]` of a scene: the shape of the unloaded cell, and how its edges are held."""
+"""The table `[cell]` of a scene: the shape of the unloaded cell, and the supports of its edges."""
 
 from __future__ import annotations
 
@@ -7,16 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import (
-    Discriminator,
-    Field,
-    Tag,
-    TypeAdapter,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from ..geometry import (
@@ -34,23 +25,25 @@ from ..geometry import (
     spheroid,
 )
 from .errors import BRANCH, SceneError, refusal
-from .explain import explain
-from .table import Table
+from .table import ListOf, Table
 from .units import LENGTH, Angle, Length
 
+_SHAPE: Any = Field(description="shape of the mid-surface")
 _EDGE = (
-    "what is held: clamped (all), hinged (both displacements), roller (axial displacement and "
-    "rotation) or axial (axial displacement)"
+    "constrained: clamped (displacement and rotation), hinged (displacement), roller (axial "
+    "displacement and rotation) or axial (axial displacement)"
 )
 
 
 class _Shape(Table):
-    """What all shapes have in common.
+    """Keys and properties that all shapes share.
 
-    Each has a `radius`, the size of the cell, and a `least_radius` of curvature, both in µm.
+    Each has a `radius`, the size of the cell, and a `least_radius` of curvature or of an edge, both
+    in µm.
     """
 
     poles: ClassVar[tuple[Pole, ...]] = ("top", "bottom")
+    shape: str = _SHAPE
 
     @property
     def curve(self) -> Curve:
@@ -63,14 +56,9 @@ class _Shape(Table):
         return "pole", "pole"
 
     @property
-    def stiff_without_bending(self) -> bool:
-        """Whether a membrane of this shape can bear pressure."""
-        return True
-
-    @property
     def layers(self) -> int:
         """Number of places with a boundary layer: edges, and jumps of the curvature."""
-        return sum(end != "pole" for end in self.ends)
+        return sum(end != "pole" for end in self.ends) + len(self.curve.joints)
 
     @property
     def closed(self) -> bool:
@@ -78,11 +66,10 @@ class _Shape(Table):
         return self.ends == ("pole", "pole")
 
 
-class SphereCell(_Shape):
-    """A sphere."""
+class _Round(_Shape):
+    """A shape whose size is a diameter."""
 
-    shape: Literal["sphere"] = Field(description="shape of the mid-surface")
-    diameter: Length = Field(gt=0, description="diameter of the mid-surface (µm)")
+    diameter: Length = Field(gt=0, description="largest diameter of the mid-surface (µm)")
 
     @property
     def radius(self) -> float:
@@ -93,112 +80,100 @@ class SphereCell(_Shape):
     def least_radius(self) -> float:
         return self.radius
 
+
+class SphereCell(_Round):
+    """A sphere."""
+
+    shape: Literal["sphere"] = _SHAPE
+
     @property
     def curve(self) -> Curve:
-        return Sphere(self.diameter / 2)
+        return Sphere(self.radius)
 
 
-class SpheroidCell(_Shape):
-    """An ellipse turned about the axis."""
+class SpheroidCell(_Round):
+    """A spheroid: an ellipse rotated about the axis."""
 
-    shape: Literal["spheroid"] = Field(description="shape of the mid-surface")
-    diameter: Length = Field(gt=0, description="diameter of the equator (µm)")
-    height: Length = Field(gt=0, description="distance of the poles (µm)")
-
-    @property
-    def radius(self) -> float:
-        return self.diameter / 2
+    shape: Literal["spheroid"] = _SHAPE
+    height: Length = Field(gt=0, description="distance between the poles (µm)")
 
     @property
     def least_radius(self) -> float:
-        """At the poles of a long one, at the equator of a flat one."""
-        a, c = self.diameter / 2, self.height / 2
+        """At the poles if prolate, at the equator if oblate."""
+        a, c = self.radius, self.height / 2
         return min(a**2 / c, c**2 / a)
 
     @property
     def curve(self) -> Curve:
-        return spheroid(self.diameter / 2, self.height / 2)
+        return spheroid(self.radius, self.height / 2)
 
 
-class CapsuleCell(_Shape):
-    """A cylinder with half a sphere at each end, as a cell of fission yeast."""
+class CapsuleCell(_Round):
+    """A cylinder with a hemisphere at each end, as a cell of fission yeast."""
 
-    shape: Literal["capsule"] = Field(description="shape of the mid-surface")
-    diameter: Length = Field(gt=0, description="diameter of the mid-surface (µm)")
-    length: Length = Field(gt=0, description="distance of the poles (µm)")
+    shape: Literal["capsule"] = _SHAPE
+    length: Length = Field(gt=0, description="distance between the poles (µm)")
 
     @field_validator("length")
     @classmethod
     def _longer_than_wide(cls, length: float, info: ValidationInfo) -> float:
         diameter = info.data.get("diameter", 0.0)
         if length <= diameter:
-            raise refusal("", allowed=f"a length greater than the diameter ({diameter:g} µm)")
+            raise refusal(f"expected a length > the diameter ({diameter:g} µm)")
         return length
 
     @property
-    def radius(self) -> float:
-        return self.diameter / 2
-
-    @property
-    def least_radius(self) -> float:
-        return self.radius
-
-    @property
-    def layers(self) -> int:
-        return 2
-
-    @property
     def curve(self) -> Curve:
-        return Capsule(self.diameter / 2, self.length - self.diameter)
+        return Capsule(self.radius, self.length - self.diameter)
 
 
 class ProfileCell(_Shape):
-    """A traced contour, smoothed; read from a file once, and held as points from then on."""
+    """A smoothed contour, read from a file once and kept as points."""
 
-    shape: Literal["profile"] = Field(description="shape of the mid-surface")
+    shape: Literal["profile"] = _SHAPE
     file: str | None = Field(
         default=None, description="table with the columns r, z (µm), beside the scene; read once"
     )
     tolerance: Length = Field(
         default=0.02, ge=0, description="root mean square distance of points and curve (µm)"
     )
-    r: Annotated[tuple[Length, ...], Field(strict=False)] = Field(
-        default=(), description="distances of the points from the axis (µm), in place of a file"
+    r: ListOf[Length] = Field(
+        default=(), description="distances of the points from the axis, instead of a file (µm)"
     )
-    z: Annotated[tuple[Length, ...], Field(strict=False)] = Field(
-        default=(), description="heights of the points (µm), from bottom to top"
+    z: ListOf[Length] = Field(
+        default=(), description="heights of the points, from bottom to top (µm)"
     )
 
     @model_validator(mode="before")
     @classmethod
     def _read(cls, data: Any, info: ValidationInfo) -> Any:
-        """Put the points of a file in the place of its name: the scene then stands alone."""
+        """Replace the name of a file by its points, so that the scene needs no other file."""
         if not isinstance(data, Mapping) or not isinstance(data.get("file"), str):
             return data
-        folder = (info.context or {}).get("folder", ".")
+        directory = (info.context or {}).get("directory", ".")
         tolerance = data.get("tolerance", cls.model_fields["tolerance"].default)
         try:
-            r, z = read_contour(Path(folder, data["file"]))
-            try:
-                smooth_contour(r, z, float(LENGTH.read(tolerance)))  # type: ignore[arg-type]
-            except ContourError as error:
-                raise ContourError(f"the contour {error}") from None
-        except (TypeError, PydanticCustomError):  # no tolerance, which is told elsewhere
-            return {**data, "file": None, "r": r, "z": z}
+            r, z = read_contour(Path(directory, data["file"]))
         except ContourError as error:
-            raise refusal("", allowed=str(error), key="file") from None
+            raise refusal(str(error), key="file") from None
+        try:
+            smooth_contour(r, z, float(LENGTH.read(tolerance)))  # type: ignore[arg-type]
+        except ContourError as error:
+            raise refusal(f"the contour {error}", key="file") from None
+        except (TypeError, PydanticCustomError):
+            pass  # a wrong tolerance, whose own validation reports it
         return {**data, "file": None, "r": r, "z": z}
 
     @model_validator(mode="after")
     def _a_contour(self) -> ProfileCell:
         if not self.r and not self.z:
-            raise refusal("", allowed='a contour is wanted, e.g. "contour.csv"', key="file")
+            raise refusal('expected a contour, e.g. "contour.csv"', key="file")
         if len(self.r) != len(self.z):
-            raise refusal("", allowed=f"a height for each of the {len(self.r)} radii", key="z")
+            raise refusal(f"expected {len(self.r)} heights, one per radius", key="z")
         try:
             smooth_contour(self.r, self.z, self.tolerance)
         except ContourError as error:
-            raise refusal("", allowed=f"the contour {error}", key="r") from None
+            raise refusal(f"the contour {error}", key="r") from None
         return self
 
     @property
@@ -215,13 +190,13 @@ class ProfileCell(_Shape):
 
 
 class CapCell(_Shape):
-    """The part of a sphere about its top pole."""
+    """The part of a sphere around its top pole."""
 
     poles: ClassVar[tuple[Pole, ...]] = ("top",)
-    shape: Literal["cap"] = Field(description="shape of the mid-surface")
+    shape: Literal["cap"] = _SHAPE
     radius: Length = Field(gt=0, description="radius of the sphere (µm)")
     half_angle: Angle = Field(gt=0, lt=180, description="polar angle of the edge (degrees)")
-    edge: Edge = Field(default="clamped", description=_EDGE)
+    edge: Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
 
     @property
     def least_radius(self) -> float:
@@ -236,21 +211,12 @@ class CapCell(_Shape):
         return Cap(self.radius, float(np.deg2rad(self.half_angle)))
 
 
-class DiscCell(_Shape):
+class DiscCell(_Round):
     """A flat disc; its outward side is the upper one."""
 
     poles: ClassVar[tuple[Pole, ...]] = ("top",)
-    shape: Literal["disc"] = Field(description="shape of the mid-surface")
-    diameter: Length = Field(gt=0, description="diameter of the mid-surface (µm)")
-    edge: Edge = Field(default="clamped", description=_EDGE)
-
-    @property
-    def radius(self) -> float:
-        return self.diameter / 2
-
-    @property
-    def least_radius(self) -> float:
-        return self.radius
+    shape: Literal["disc"] = _SHAPE
+    edge: Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
 
     @property
     def ends(self) -> tuple[End, End]:
@@ -258,20 +224,20 @@ class DiscCell(_Shape):
 
     @property
     def curve(self) -> Curve:
-        return Straight(self.diameter / 2, 0.0, 0.0)
+        return Straight(self.radius, 0.0, 0.0)
 
 
 class ConeCell(_Shape):
-    """A truncated cone, its outer edge below; a ring where it has no height."""
+    """A truncated cone, its outer edge below; a flat ring if its height is 0."""
 
     poles: ClassVar[tuple[Pole, ...]] = ()
-    shape: Literal["cone"] = Field(description="shape of the mid-surface")
+    shape: Literal["cone"] = _SHAPE
     outer_diameter: Length = Field(gt=0, description="diameter of the lower edge (µm)")
     inner_diameter: Length = Field(gt=0, description="diameter of the upper edge (µm)")
-    height: Length = Field(ge=0, description="height of the inner above the outer edge (µm)")
-    edge: Edge = Field(default="clamped", description=f"at the outer edge, {_EDGE}")
-    inner_edge: Edge | Literal["free"] = Field(
-        default="free", description="what is held at the inner edge: free (nothing), or as at edge"
+    height: Length = Field(ge=0, description="height of the upper above the lower edge (µm)")
+    edge: Edge = Field(default="clamped", description=f"how the outer edge is {_EDGE}")
+    inner_edge: Literal[Edge, "free"] = Field(
+        default="free", description="how the inner edge is constrained: free, or as for edge"
     )
 
     @field_validator("inner_diameter")
@@ -279,7 +245,7 @@ class ConeCell(_Shape):
     def _within(cls, inner: float, info: ValidationInfo) -> float:
         outer = info.data.get("outer_diameter", float("inf"))
         if inner >= outer:
-            raise refusal("", allowed=f"a length less than the outer diameter ({outer:g} µm)")
+            raise refusal(f"expected a length < the outer diameter ({outer:g} µm)")
         return inner
 
     @property
@@ -295,30 +261,17 @@ class ConeCell(_Shape):
         return self.edge, self.inner_edge
 
     @property
-    def stiff_without_bending(self) -> bool:
-        return self.height > 0
-
-    @property
     def curve(self) -> Curve:
-        return Straight(self.outer_diameter / 2, self.inner_diameter / 2, self.height)
+        return Straight(self.radius, self.least_radius, self.height)
 
 
-class CylinderCell(_Shape):
-    """A cylinder, both of its edges held alike."""
+class CylinderCell(_Round):
+    """A cylinder with the same support at both edges."""
 
     poles: ClassVar[tuple[Pole, ...]] = ()
-    shape: Literal["cylinder"] = Field(description="shape of the mid-surface")
-    diameter: Length = Field(gt=0, description="diameter of the mid-surface (µm)")
-    length: Length = Field(gt=0, description="distance of the edges (µm)")
-    edge: Edge = Field(default="clamped", description=f"at both edges, {_EDGE}")
-
-    @property
-    def radius(self) -> float:
-        return self.diameter / 2
-
-    @property
-    def least_radius(self) -> float:
-        return self.radius
+    shape: Literal["cylinder"] = _SHAPE
+    length: Length = Field(gt=0, description="distance between the edges (µm)")
+    edge: Edge = Field(default="clamped", description=f"how both edges are {_EDGE}")
 
     @property
     def ends(self) -> tuple[End, End]:
@@ -326,13 +279,13 @@ class CylinderCell(_Shape):
 
     @property
     def curve(self) -> Curve:
-        return Straight(self.diameter / 2, self.diameter / 2, self.length)
+        return Straight(self.radius, self.radius, self.length)
 
 
 def _shape(value: object) -> str | None:
     if isinstance(value, Mapping):
         return f"{BRANCH}{value.get('shape')}"
-    return f"{BRANCH}{value.shape}" if isinstance(value, _Shape) else None  # type: ignore[attr-defined]
+    return f"{BRANCH}{value.shape}" if isinstance(value, _Shape) else None
 
 
 AnyCell = Annotated[
@@ -353,15 +306,15 @@ class _Holder(Table):
 
 
 def Cell(**values: Any) -> AnyCell:
-    """Shape of the unloaded cell, with the keys of the table `[cell]`.
+    """Return the shape of an unloaded cell, from the keys of the table `[cell]`.
 
     Raises
     ------
     SceneError
-        If there is no such shape, or its keys are not right.
+        If there is no such shape, or a key is wrong.
     """
+    table: Any = values
     try:
-        return TypeAdapter(_Holder).validate_python({"cell": values}).cell
-    except ValidationError as error:
-        problem = explain(_Holder, {"cell": values}, error).removeprefix("cell.")
-        raise SceneError(f"Cell: {problem}") from None
+        return _Holder(cell=table).cell
+    except SceneError as error:
+        raise SceneError(f"Cell: {str(error).removeprefix('_Holder: cell.')}") from None

@@ -1,6 +1,4 @@
-"""Errors of a scene: the exception, refusals by validators, keys and values as text."""
-
-from __future__ import annotations
+"""Errors of a scene: the exception, refusals by validators, keys and values as strings."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,7 +9,7 @@ from pydantic_core import PydanticCustomError
 class SceneError(ValueError):
     """A scene that cannot be used.
 
-    The message is one line that names the file, the key, its value and what is allowed.
+    The message is one line that names the file, the key, its value and what must hold.
     """
 
     def __init__(self, message: str) -> None:
@@ -21,13 +19,13 @@ class SceneError(ValueError):
 BRANCH = "as "  # begins the name of a kind of value where a key takes several kinds
 
 
-def refusal(reason: str, *, allowed: str = "", key: str = "") -> PydanticCustomError:
-    """Give the error with which a validator refuses a value for a reason of its own.
+def refusal(must: str = "", *, reason: str = "", key: str = "") -> PydanticCustomError:
+    """Return the error with which a validator refuses a value.
 
-    `allowed` stands in for the field's general description of what is allowed; `key` is the
-    culprit's path below the table whose validator speaks.
+    It says what is wrong (`reason`) and what must hold (`must`, by default what the field says).
+    `key` is the dotted key of the value, below the table whose validator raises the error.
     """
-    context = {"reason": reason, "allowed": allowed, "key": key}
+    context = {"must": must, "reason": reason, "key": key}
     return PydanticCustomError("refused", "refused", context)
 
 
@@ -38,18 +36,16 @@ def key_text(path: Sequence[int | str]) -> str:
 
 
 def value_text(value: object) -> str:
-    """Write a value as it would stand in TOML, shortened."""
+    """Write a value as in TOML, shortened."""
     if isinstance(value, bool):
-        text = str(value).lower()
-    elif isinstance(value, str):
-        text = f'"{value[:40]}..."' if len(value) > 40 else f'"{value}"'
-    elif isinstance(value, Mapping | BaseModel):
-        text = "{...}"
-    elif isinstance(value, list | tuple):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f'"{value[:40]}..."' if len(value) > 40 else f'"{value}"'
+    if isinstance(value, Mapping | BaseModel):
+        return "{...}"
+    if isinstance(value, list | tuple):
         entries = ("[...]" if isinstance(v, list | tuple) else value_text(v) for v in value[:6])
-        text = f"[{', '.join(entries)}{', ...' if len(value) > 6 else ''}]"
-    elif isinstance(value, int) and abs(value) >= 10**20:
-        text = "a number of more than 20 digits"
-    else:
-        text = str(value)
-    return text
+        return f"[{', '.join(entries)}{', ...' if len(value) > 6 else ''}]"
+    if isinstance(value, int) and abs(value) >= 10**20:
+        return "a number of more than 20 digits"
+    return str(value)

@@ -1,6 +1,4 @@
-"""Explanation of what pydantic found wrong in a scene, on one line."""
-
-from __future__ import annotations
+"""One-line messages about what pydantic found wrong in a scene."""
 
 from collections.abc import Mapping
 from types import UnionType
@@ -13,23 +11,26 @@ from .errors import BRANCH, key_text, value_text
 from .keys import ABSENT, Path, field_at, fields_of, kind_key, look_up, model_of, models_of
 from .units import Unit
 
-_WANTED = {int: "a whole number", float: "a number", str: "a text in quotes"}
+_KINDS = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 _LISTS = {"min": "[40, 70, 90]", "MPa": '["2 atm", "0.2 atm"]'}
+_BOUNDS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 _NO_KIND = ("union_tag_invalid", "union_tag_not_found")
 _REASONS = {"finite_number": "not finite"}
 
 
 def explain(model: type[BaseModel], data: object, error: ValidationError) -> str:
-    """Say what pydantic found wrong in `data`, meant to be a `model`.
+    """Describe what pydantic found wrong in `data`, meant to be a `model`, on one line.
 
-    The first problem is told, with its key, value and what is allowed; the others are counted.
+    Only the first problem is described, by its key, its value and what must hold; the others are
+    counted.
     """
     problems = [
         problem
         for problem in error.errors(include_url=False)
         if problem["type"] != "default_factory_not_called"  # only follows from another one
     ]
-    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    others = len(problems) - 1
+    more = f" (and {others} more error{'s' * (others > 1)})" if others else ""
     return f"{_explain(model, data, problems[0])}{more}"
 
 
@@ -47,40 +48,39 @@ def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str
     if problem["type"] in ("extra_forbidden", "invalid_key"):
         return f"{what}: {_nearest(model, data, path)}"
     reason = context.get("reason") or _REASONS.get(problem["type"])
-    allowed = context.get("allowed") or _allowed(model, data, path)
-    return f"{what}: {reason}; {allowed}" if reason else f"{what}: {allowed}"
+    expected = context.get("must") or f"expected {_expected(model, data, path)}"
+    return f"{what}: {reason}; {expected}" if reason else f"{what}: {expected}"
 
 
-def _allowed(model: type[BaseModel], data: object, path: Path) -> str:
-    """Say what is allowed at `path` below `model`, from the field found there."""
+def _expected(model: type[BaseModel], data: object, path: Path) -> str:
+    """Describe the values that the field at `path` below `model` takes."""
     annotation, metadata = field_at(model, data, path)
     if get_origin(annotation) in (UnionType, Union):
-        first = get_args(annotation)[0]  # the kind that is told; None or a table is another
+        first = get_args(annotation)[0]  # the kind to describe; the other one is None or a table
         annotation, *own = get_args(first) if get_origin(first) is Annotated else (first,)
         metadata = metadata + own
     if model_of(annotation):
-        return f"the table [{key_text(path)}] is wanted"
+        return f"a table [{key_text(path)}]"
     if get_origin(annotation) is Literal:
-        return "allowed: " + ", ".join(value_text(choice) for choice in get_args(annotation))
+        return "one of " + ", ".join(value_text(choice) for choice in get_args(annotation))
     if get_origin(annotation) is tuple and models_of(get_args(annotation)[0]):
-        return f"a list of tables is wanted, [[{key_text(path)}]]"
+        return f"a list of tables [[{key_text(path)}]]"
     if get_origin(annotation) is tuple:
         marks = get_args(get_args(annotation)[0])
         entry = next((mark for mark in marks if isinstance(mark, Unit)), None)
         if entry is None:
-            return "a list of numbers is wanted, e.g. [2.0, -2.0]"
-        return f"a list of {entry.kind.split()[1]}s is wanted, e.g. {_LISTS[entry.symbol]}"
+            return "a list of numbers, e.g. [2.0, -2.0]"
+        return f"a list of {entry.kind.split()[1]}s, e.g. {_LISTS[entry.symbol]}"
     unit = next((mark for mark in metadata if isinstance(mark, Unit)), None)
-    kind = unit.kind if unit else _WANTED.get(annotation, "another value")
-    words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
     bounds = " and ".join(
-        f"{word} {getattr(mark, name)}"
-        for name, word in words.items()
+        f"{sign} {getattr(mark, name)}"
+        for name, sign in _BOUNDS.items()
         for mark in metadata
         if hasattr(mark, name)
     )
-    example = f", e.g. {unit.example} (bare numbers are {unit.symbol})" if unit else ""
-    return " ".join(filter(None, (kind, bounds, "is wanted"))) + example
+    kind = unit.kind if unit else _KINDS.get(annotation, "another value")
+    example = f", e.g. {unit.example} (plain numbers are in {unit.symbol})" if unit else ""
+    return " ".join(filter(None, (kind, bounds))) + example
 
 
 def _nearest(model: type[BaseModel], data: object, path: Path) -> str:
@@ -88,14 +88,11 @@ def _nearest(model: type[BaseModel], data: object, path: Path) -> str:
     import difflib  # late: most scenes are right
 
     *parents, key = path
-    table, value = model, data
-    for part in parents:
-        field, value = fields_of(table).get(str(part)), look_up(value, (part,))
-        table = (model_of(field.annotation, value) if field else None) or table
+    table = model_of(field_at(model, data, parents)[0], look_up(data, parents)) or model
     if near := difflib.get_close_matches(str(key), fields_of(table), n=1):
         return f"unknown key; did you mean {key_text((*parents, near[0]))}?"
     for name, field in fields_of(model).items():
         other = model_of(field.annotation)
         if other and key in fields_of(other):
             return f"unknown key; did you mean {name}.{key}?"
-    return f"unknown key; known here: {', '.join(fields_of(table))}"
+    return f"unknown key; known keys: {', '.join(fields_of(table))}"

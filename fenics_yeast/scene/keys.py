@@ -3,8 +3,6 @@
 A key names a value below a table by the names of a scene file; a number names an entry of a list.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
@@ -17,7 +15,7 @@ from pydantic.fields import FieldInfo
 from .errors import SceneError, value_text
 from .units import Unit
 
-Path = Sequence[int | str]  # a key, split: names of keys, and numbers of entries of lists
+Path = Sequence[int | str]  # a split key: names, and numbers of entries of lists
 
 ABSENT = object()
 _SEVERAL = (UnionType, Union, Annotated)
@@ -32,17 +30,14 @@ def look_up(table: Any, path: Path) -> Any:
     for part in path:
         try:
             if isinstance(value, BaseModel):
-                value = getattr(value, _attributes(type(value))[str(part)])
+                fields = type(value).model_fields.items()
+                attributes = {field.alias or name: name for name, field in fields}
+                value = getattr(value, attributes[str(part)])
             else:
                 value = value[int(part) if isinstance(value, list | tuple) else part]
         except (LookupError, TypeError, ValueError):
             return ABSENT
     return value
-
-
-def _attributes(model: type[BaseModel]) -> dict[str, str]:
-    """Return the names of a table's attributes by those that they have in a scene file."""
-    return {field.alias or name: name for name, field in model.model_fields.items()}
 
 
 def value_of(table: BaseModel, key: str) -> Any:
@@ -60,23 +55,23 @@ def value_of(table: BaseModel, key: str) -> Any:
 
 
 def set_value(tables: dict[str, Any], key: str, value: object) -> None:
-    """Set the value at a dotted key below plain tables, which are made where they are missing.
+    """Set the value at a dotted key below plain tables; create the tables that are missing.
 
     Raises
     ------
     ValueError
-        If the key leads through something that is not a table, or to no entry of a list.
+        If a part of the key is neither in a table nor an entry of a list.
     """
     *parents, last = key.split(".")
     table: Any = tables
     for parent in parents:
         table = _enter(table, parent)
-    # Not the caller's own: a later key may lead into it.
+    # A copy, since a later key may change it.
     table[_place(table, last)] = deepcopy(value)
 
 
 def _enter(table: Any, name: str) -> Any:
-    """Return the table or list of tables at a name, made where it is missing."""
+    """Return the table or list of tables at a name, created if missing."""
     place = _place(table, name)
     if isinstance(table, dict) and table.get(name) is None:
         table[name] = {}
@@ -93,12 +88,12 @@ def _place(table: Any, name: str) -> Any:
     if isinstance(table, dict):
         return name
     if not name.isdecimal() or int(name) >= len(table):
-        raise ValueError(f"{name[:40]} is no entry; they are 0 to {len(table) - 1}")
+        raise ValueError(f"{name[:40]} is not an entry number from 0 to {len(table) - 1}")
     return int(name)
 
 
 def flatten(table: BaseModel) -> dict[str, object]:
-    """Return all values below a table by their dotted keys; a list is one value."""
+    """Return all values below a table by their dotted keys, each list as one value."""
 
     def walk(values: Mapping[str, Any], before: str) -> Iterator[tuple[str, object]]:
         for name, value in values.items():
@@ -121,8 +116,8 @@ def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
 def keys_of(model: type[BaseModel], before: str = "") -> Iterator[tuple[str, FieldInfo]]:
     """List the dotted keys below a table, each with its field.
 
-    Of a key that takes several kinds of table, the keys of each are listed, so that a key comes
-    more than once where kinds share it; keys of lists of tables have no number.
+    If a value may be one of several kinds of table, the keys of each kind are listed, so that a
+    shared key comes more than once; keys below lists of tables have no number.
     """
     for name, field in fields_of(model).items():
         tables = models_of(field.annotation) or models_of(entry_of(field.annotation)[0])
@@ -135,7 +130,7 @@ def keys_of(model: type[BaseModel], before: str = "") -> Iterator[tuple[str, Fie
 def field_at(model: type[BaseModel], data: object, path: Path) -> tuple[Any, list[Any]]:
     """Return annotation and metadata of the field at a path below a table.
 
-    `data` is what the table holds, or was meant to hold: it chooses among several kinds of table.
+    `data` is the content of the table, valid or not: it chooses among several kinds of table.
     """
     annotation: Any = model
     metadata: list[Any] = []
@@ -156,7 +151,7 @@ def field_at(model: type[BaseModel], data: object, path: Path) -> tuple[Any, lis
 
 
 def unit_symbol(scene: BaseModel, key: str) -> str:
-    """Return the symbol of the unit in which a scene holds the value of a key, "" if it has none.
+    """Return the unit symbol of a scene key, "" if it has none.
 
     Raises
     ------
@@ -190,7 +185,7 @@ def models_of(annotation: Any) -> list[type[BaseModel]]:
 
 
 def kind_key(annotation: Any) -> str:
-    """Return the key that distinguishes kinds of table: a choice that differs among them."""
+    """Return the key that distinguishes kinds of table: the choice that differs among them."""
     tables = [fields_of(model) for model in models_of(annotation)]
     return next(
         key
@@ -201,7 +196,7 @@ def kind_key(annotation: Any) -> str:
 
 
 def model_of(annotation: Any, value: object = None) -> type[BaseModel] | None:
-    """Return the table that a value is meant to be; the first one if its keys do not say."""
+    """Return the kind of table that a value is meant to be; by default the first one."""
     models = models_of(annotation)
     if len(models) > 1:
         key = kind_key(annotation)
@@ -236,11 +231,11 @@ def parse_assignment(text: str) -> tuple[str, object]:
     Raises
     ------
     SceneError
-        If there is no key, no equals sign or no value.
+        If the key, the equals sign or the value is missing.
     """
     key, _, value = (part.strip() for part in text.partition("="))
     if not key or not value:
-        raise SceneError(f"{value_text(text)}: write TABLE.KEY=VALUE, e.g. growth.time=30")
+        raise SceneError(f"{value_text(text)}: expected TABLE.KEY=VALUE, e.g. growth.time=30")
     return key, parse_value(value)
 
 

@@ -1,17 +1,19 @@
-"""Base of the tables of a scene."""
+"""Base of the tables of a scene, and the lists in them."""
 
-from __future__ import annotations
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from typing import TYPE_CHECKING, Any
-
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from .errors import SceneError
 from .explain import explain
 
+T = TypeVar("T")
+ListOf = Annotated[tuple[T, ...], Field(strict=False)]
+"""A list in a file, a tuple in a scene."""
+
 
 class Table(BaseModel):
-    """A frozen table of a scene that knows its keys and takes no value of another type."""
+    """A frozen table of a scene that refuses unknown keys and values of another type."""
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", strict=True, allow_inf_nan=False, hide_input_in_errors=True
@@ -26,5 +28,5 @@ class Table(BaseModel):
                 problem = explain(type(self), values, error)
                 raise SceneError(f"{type(self).__name__}: {problem}") from None
 
-        # pydantic's mark for an __init__ that adds nothing to validation
+        # marks, for pydantic, an __init__ that adds nothing to validation
         __init__.__pydantic_base_init__ = True

@@ -1,4 +1,4 @@
-"""Quantities of a scene: numbers held in µm, MPa, min and degrees, read from strings with units."""
+"""Quantities of a scene: numbers in µm, MPa, min and degrees, read from strings with units."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .errors import refusal
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-# The units of this field alone: pint's own list takes 0.3 s to load, and would let slips such as
-# "5 in" pass. Read with decimals, "100 nm" is 0.1 to the last digit.
+# Only the units of this field: pint's own list takes 0.3 s to load, and would accept slips such as
+# "5 in". Read with decimals, "100 nm" is 0.1 to the last digit.
 _UNITS = """
 nano- = 1e-9 = n-
 micro- = 1e-6 = µ- = μ- = u-
@@ -47,7 +47,7 @@ _UNIT = re.compile(r"[^\W\d_]+(\s*[*/]\s*[^\W\d_]+((\^|\*\*)[23])?){0,3}")
 
 @cache
 def _registry() -> UnitRegistry[Decimal]:
-    import pint  # late: 0.15 s, and a scene of bare numbers has no need of it
+    import pint  # late: 0.15 s, and a scene of plain numbers does not need it
 
     registry: UnitRegistry[Decimal] = pint.UnitRegistry(None, non_int_type=Decimal)
     registry.load_definitions(_UNITS.strip().splitlines())
@@ -56,17 +56,18 @@ def _registry() -> UnitRegistry[Decimal]:
 
 @dataclass(frozen=True)
 class Unit:
-    """The unit in which a kind of quantity is held; reads a number or a string in another one."""
+    """The unit in which a kind of quantity is stored; reads numbers and strings with units."""
 
     kind: str
     symbol: str
     example: str
 
     def read(self, value: object) -> object:
+        """Return a number in this unit; leave values of another type for pydantic to refuse."""
         if isinstance(value, str):
             return self._convert(value)
         if isinstance(value, bool) or not isinstance(value, Real):
-            return value  # of a wrong type, which pydantic refuses
+            return value
         try:
             return float(value)
         except OverflowError:
@@ -75,10 +76,10 @@ class Unit:
     def _convert(self, text: str) -> float:
         match = _NUMBER_AND_UNIT.fullmatch(text)
         if match is None:
-            raise refusal("not a number with a unit")
+            raise refusal(reason="not a number with a unit")
         number, name = match[1], "deg" if match[2] == "°" else match[2]
         if not name:
-            raise refusal("no unit")
+            raise refusal(reason="no unit")
         registry = _registry()
         from pint import PintError
 
@@ -87,9 +88,9 @@ class Unit:
                 raise ValueError
             unit = registry.parse_units(name)
         except (PintError, ValueError, ArithmeticError):
-            raise refusal(f'unknown unit "{name[:20]}"') from None
+            raise refusal(reason=f'unknown unit "{name[:20]}"') from None
         if not unit.is_compatible_with(self.symbol):
-            raise refusal("")
+            raise refusal()
         return float(registry.Quantity(Decimal(number), unit).to(self.symbol).magnitude)
 
 

@@ -1,11 +1,10 @@
 """The table `[wall]` of a scene: thickness and material of the cell wall."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     Discriminator,
     Field,
     Tag,
@@ -15,50 +14,49 @@ from pydantic import (
 )
 
 from .errors import BRANCH, refusal
-from .table import Table
+from .table import ListOf, Table
 from .units import Length, Pressure
 from .zone import Zone
 
 _LEAST_EXPONENT = 1e-3  # in size; below it the energy is lost to cancellation
+_LAW: Any = Field(default="ogden", description="material law: Ogden")
 
 
 class WallZone(Zone):
-    """A part of the wall that is thicker or stiffer than the rest."""
+    """Part of the wall that is thicker or stiffer than the rest."""
 
     thickness: Length | None = Field(default=None, gt=0, description="thickness of the wall (µm)")
     shear_modulus: Pressure | None = Field(
-        default=None, gt=0, description="shear modulus µ, of a wall of one term (MPa)"
+        default=None, gt=0, description="shear modulus µ, for a wall of one Ogden term (MPa)"
     )
     modulus_factor: float | None = Field(
-        default=None, gt=0, description="its moduli over those of the rest (1)"
+        default=None, gt=0, description="ratio of its moduli to those of the rest (1)"
     )
 
     @model_validator(mode="after")
-    def _unlike_the_rest(self) -> Self:
+    def _differs_from_the_rest(self) -> Self:
         if self.shear_modulus is not None and self.modulus_factor is not None:
-            allowed = "either shear_modulus or modulus_factor is wanted"
-            raise refusal("", allowed=allowed, key="modulus_factor")
+            raise refusal("expected either shear_modulus or modulus_factor", key="modulus_factor")
         if self.thickness is self.shear_modulus is self.modulus_factor is None:
-            allowed = "a zone of the wall has a thickness, a shear_modulus or a modulus_factor"
-            raise refusal("", allowed=allowed)
+            raise refusal("expected a thickness, a shear_modulus or a modulus_factor")
         return self
 
 
 class _Wall(Table):
-    """What all walls have in common."""
+    """Keys that all walls share."""
 
     thickness: Length = Field(gt=0, description="thickness of the wall (µm)")
     bending: bool = Field(
-        default=True, description="whether it resists bending; false: a membrane, without rotation"
+        default=True, description="whether the wall resists bending; false: a membrane"
     )
     energy_per: Literal["reference", "grown"] = Field(
-        default="reference", description="volume that the energy is counted per"
+        default="reference", description="volume per unit of which energy is given"
     )
     thickness_change: Literal["none", "elastic"] = Field(
-        default="none", description="whether the wall thins where it is stretched elastically"
+        default="none", description="whether elastic stretch thins the wall"
     )
-    zone: Annotated[tuple[WallZone, ...], Field(strict=False)] = Field(
-        default=(), description="parts of the wall that are unlike the rest"
+    zone: ListOf[WallZone] = Field(
+        default=(), description="parts of the wall that differ from the rest"
     )
 
     @field_validator("zone")
@@ -66,8 +64,7 @@ class _Wall(Table):
     def _has_one_modulus(cls, zones: tuple[WallZone, ...]) -> tuple[WallZone, ...]:
         for i, zone in enumerate(zones):
             if zone.shear_modulus is not None and "shear_modulus" not in cls.model_fields:
-                allowed = "of this law a modulus_factor is wanted"
-                raise refusal("", allowed=allowed, key=f"{i}.shear_modulus")
+                raise refusal("this law needs modulus_factor instead", key=f"{i}.shear_modulus")
         return zones
 
     @property
@@ -78,55 +75,48 @@ class _Wall(Table):
 
 def _exponent(value: float) -> float:
     if value == 0:
-        raise refusal("", allowed="any number but 0 is allowed")
+        raise refusal("must not be 0")
     if abs(value) < _LEAST_EXPONENT:
-        allowed = f"any number but those nearer to 0 than {_LEAST_EXPONENT:g} is allowed"
-        raise refusal("", allowed=allowed)
+        raise refusal(f"must be at least {_LEAST_EXPONENT:g} in magnitude")
     return value
+
+
+_Exponent = Annotated[float, AfterValidator(_exponent)]
 
 
 class Wall(_Wall):
     """A wall with the one-term Ogden energy of the paper, equation (9)."""
 
-    law: Literal["ogden"] = Field(default="ogden", description="law of the material")
+    law: Literal["ogden"] = _LAW
     shear_modulus: Pressure = Field(gt=0, description="shear modulus µ (MPa)")
-    ogden_exponent: float = Field(
-        default=2.0, description="Ogden's exponent α, any number but 0 (1)"
-    )
-
-    @field_validator("ogden_exponent")
-    @classmethod
-    def _not_zero(cls, value: float) -> float:
-        return _exponent(value)
+    ogden_exponent: _Exponent = Field(default=2.0, description="Ogden exponent α, not 0 (1)")
 
 
 class OgdenWall(_Wall):
     """A wall with an Ogden energy of several terms."""
 
-    law: Literal["ogden"] = Field(default="ogden", description="law of the material")
-    shear_moduli: Annotated[tuple[Pressure, ...], Field(strict=False)] = Field(
-        description="modulus of each term; they add up to the shear modulus (MPa)"
+    law: Literal["ogden"] = _LAW
+    shear_moduli: ListOf[Pressure] = Field(
+        description="modulus of each term; their sum is the shear modulus (MPa)"
     )
-    ogden_exponents: Annotated[tuple[float, ...], Field(strict=False)] = Field(
-        description="exponent of each term, any number but 0 (1)"
-    )
+    ogden_exponents: ListOf[_Exponent] = Field(description="Ogden exponent of each term, not 0 (1)")
 
     @field_validator("shear_moduli")
     @classmethod
     def _stiff_at_rest(cls, moduli: tuple[float, ...]) -> tuple[float, ...]:
         if not sum(moduli) > 0:
-            raise refusal("", allowed="moduli with a sum greater than 0 are wanted")
+            raise refusal("the sum of the moduli must be > 0")
         return moduli
 
     @field_validator("ogden_exponents")
     @classmethod
-    def _one_for_each_modulus(
+    def _one_per_modulus(
         cls, exponents: tuple[float, ...], info: ValidationInfo
     ) -> tuple[float, ...]:
         moduli = info.data.get("shear_moduli")
         if moduli is not None and len(exponents) != len(moduli):
-            raise refusal("", allowed=f"an exponent for each of the {len(moduli)} moduli is wanted")
-        return tuple(map(_exponent, exponents))
+            raise refusal(f"expected {len(moduli)} exponents, one per modulus")
+        return exponents
 
     @property
     def shear_modulus(self) -> float:
@@ -135,9 +125,9 @@ class OgdenWall(_Wall):
 
 
 class LinearWall(_Wall):
-    """A wall of St Venant and Kirchhoff: stress linear in the Green-Lagrange strain."""
+    """A Saint Venant–Kirchhoff wall: stress linear in the Green-Lagrange strain."""
 
-    law: Literal["linear"] = Field(description="law of the material")
+    law: Literal["linear"] = Field(description="material law: Saint Venant–Kirchhoff")
     young_modulus: Pressure = Field(gt=0, description="Young's modulus E (MPa)")
     poisson_ratio: float = Field(gt=-1, lt=1, description="Poisson's ratio ν in plane stress (1)")
 

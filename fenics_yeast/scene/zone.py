@@ -1,75 +1,58 @@
 """Zones in the tables of a scene: parts of the unloaded wall."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, Literal, Self
+from typing import Self
 
 import numpy as np
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, model_validator
 
-from ..geometry import NEAR, Curve, Interval, Intervals, polar_extent
+from ..geometry import NEAR, Curve, Interval, Intervals, Poles, polar_extent
 from .errors import refusal
 from .table import Table
 from .units import Angle, Length
 
 _KINDS = (("pole", "half_angle"), ("from", "to"), ("from_fraction", "to_fraction"))
-_WANTED = "either pole and half_angle, from and to, or from_fraction and to_fraction are wanted"
-
-# `from` is a word of Python's own, which no class body may define.
-_Stretch: Any = create_model(
-    "_Stretch",
-    __base__=Table,
-    **{  # type: ignore[call-overload]
-        "from": (
-            Length | None,
-            Field(default=None, ge=0, description="arc length at its lower edge (µm)"),
-        ),
-        "to": (
-            Length | None,
-            Field(default=None, gt=0, description="arc length at its upper edge (µm)"),
-        ),
-    },
-)
+_EXPECTED = "expected either pole and half_angle, from and to, or from_fraction and to_fraction"
 
 
-class Zone(_Stretch):
-    """A part of the unloaded wall.
+class Zone(Table):
+    """Part of the unloaded wall.
 
-    It is a polar cap (`pole`, `half_angle`), or what lies between two arc lengths from the bottom
-    of the meridian (`from`, `to`) or between two fractions of its length (`from_fraction`,
+    It is a polar cap (`pole`, `half_angle`), or lies between two arc lengths from the bottom of
+    the meridian (`from`, `to`) or between two fractions of its length (`from_fraction`,
     `to_fraction`).
     """
 
-    pole: Literal["top", "bottom", "both"] | None = Field(
-        default=None, description="pole around which it lies"
+    start: Length | None = Field(
+        default=None, ge=0, alias="from", description="arc length at its lower edge (µm)"
     )
+    to: Length | None = Field(default=None, gt=0, description="arc length at its upper edge (µm)")
+    pole: Poles | None = Field(default=None, description="pole at its centre")
     half_angle: Angle | None = Field(
         default=None, gt=0, le=180, description="polar angle from the pole to its edge (degrees)"
     )
     from_fraction: float | None = Field(
-        default=None, ge=0, le=1, description="part of the meridian below it (1)"
+        default=None, ge=0, le=1, description="fraction of the meridian below its lower edge (1)"
     )
     to_fraction: float | None = Field(
-        default=None, ge=0, le=1, description="part of the meridian up to its upper edge (1)"
+        default=None, ge=0, le=1, description="fraction of the meridian below its upper edge (1)"
     )
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
-        given = [kind for kind in _KINDS if any(getattr(self, key) is not None for key in kind)]
-        if not given:
-            raise refusal("", allowed=_WANTED)
-        if len(given) > 1:
-            key = next(key for key in given[1] if getattr(self, key) is not None)
-            raise refusal("", allowed=_WANTED, key=key)
-        for key in given[0]:
-            if getattr(self, key) is None:
-                raise refusal("", key=key)
-        start, end = given[0]
-        if start != "pole" and getattr(self, start) >= getattr(self, end):
-            allowed = f"more than {start} ({getattr(self, start):g}) is wanted"
-            raise refusal("", allowed=allowed, key=end)
+        given = self.model_dump(by_alias=True, exclude_none=True)
+        kinds = [kind for kind in _KINDS if any(key in given for key in kind)]
+        if not kinds:
+            raise refusal(_EXPECTED)
+        if len(kinds) > 1:
+            raise refusal(_EXPECTED, key=next(key for key in kinds[1] if key in given))
+        for key in kinds[0]:
+            if key not in given:
+                raise refusal(key=key)
+        start, end = kinds[0]
+        if start != "pole" and given[start] >= given[end]:
+            raise refusal(f"must be greater than {start} ({given[start]:g})", key=end)
         return self
 
     @property
@@ -79,20 +62,21 @@ class Zone(_Stretch):
 
     @property
     def layers(self) -> int:
-        """Number of edges within the wall; those of a stretch may lie at its ends."""
+        """Number of edges inside the wall; those between arc lengths may lie at its ends."""
         return self.parts if self.pole is not None else 2
 
     def intervals(self, curve: Curve) -> Intervals:
-        """Parts of a curve that the zone covers; an edge next to an end of the curve is at it."""
+        """Return the parts of a curve that the zone covers; edges near an end are moved to it."""
         length = curve.length
         if self.from_fraction is not None and self.to_fraction is not None:
             found = [(self.from_fraction * length, self.to_fraction * length)]
-        elif self.half_angle is not None:
+        elif self.start is not None and self.to is not None:
+            found = [(self.start, self.to)]
+        else:
+            assert self.half_angle is not None
             angle, pole = float(np.deg2rad(self.half_angle)), self.pole
             found = [(0.0, polar_extent(curve, "bottom", angle))] if pole != "top" else []
             found += [(polar_extent(curve, "top", angle), length)] if pole != "bottom" else []
-        else:
-            found = [(getattr(self, "from"), self.to)]
         near = NEAR * length
         return tuple(
             Interval(0.0 if start < near else start, length if abs(end - length) < near else end)
@@ -101,7 +85,7 @@ class Zone(_Stretch):
 
 
 def misplaced(zones: Sequence[Zone], curve: Curve) -> tuple[int, str] | None:
-    """First zone that leaves the meridian or overlaps another, and what would be allowed."""
+    """Return the first zone that leaves the meridian or overlaps another, and what must hold."""
     near = NEAR * curve.length
     placed = [(part, i) for i, zone in enumerate(zones) for part in zone.intervals(curve)]
     for part, i in placed:

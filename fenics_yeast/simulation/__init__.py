@@ -3,51 +3,32 @@
 The only room that knows both scenes and the shell. What loads dolfinx is imported when first used.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from .discretise import discretise
 from .history import COLUMNS, History, Row
 from .observers import Observers
 from .profiles import Profile, Profiles
-from .result import ErrorBars, Observer, Result, Status, Timings
+from .ranks import RootError, on_root
+from .result import ANSWERS, EXIT_STATUS, ErrorBars, Observer, Result, Status, Timings
 from .separation import pieces
 
 if TYPE_CHECKING:
     from .build import build_shell
     from .checkpoint import Checkpoint, CheckpointError, ResumePoint
-    from .ranks import RootError
     from .simulation import Simulation, simulate
 
 __all__ = [
-    "COLUMNS",
-    "Checkpoint",
-    "CheckpointError",
-    "ErrorBars",
-    "History",
-    "Observer",
-    "Observers",
-    "Profile",
-    "Profiles",
-    "Result",
-    "ResumePoint",
-    "RootError",
-    "Row",
-    "Simulation",
-    "Status",
-    "Timings",
-    "build_shell",
-    "discretise",
-    "pieces",
-    "simulate",
-]
+    "ANSWERS", "COLUMNS", "EXIT_STATUS", "Checkpoint", "CheckpointError", "ErrorBars",
+    "History", "Observer", "Observers", "Profile", "Profiles", "Result", "ResumePoint",
+    "RootError", "Row", "Simulation", "Status", "Timings", "build_shell", "discretise",
+    "on_root", "pieces", "simulate",
+]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.
 _LATE = {
     "Checkpoint": "checkpoint",
     "CheckpointError": "checkpoint",
-    "RootError": "ranks",
     "Simulation": "simulation",
     "ResumePoint": "checkpoint",
     "build_shell": "build",

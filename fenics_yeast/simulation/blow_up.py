@@ -1,7 +1,5 @@
 """Growth without bound: an estimate of the time at which the volume becomes infinite."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import inf, log
 

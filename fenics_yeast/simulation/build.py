@@ -1,15 +1,12 @@
 """Build the shell of a scene: its laws, with parameters that vary from zone to zone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import Discretisation, Intervals, Pole
+from ..geometry import Array, Discretisation, Intervals, Pole
 from ..mechanics import (
     Approximation,
     Gaussian,
@@ -19,7 +16,6 @@ from ..mechanics import (
     Shell,
     WallProperties,
     Weight,
-    Weights,
     growth_laws,
     hyperelasticity,
     own_energy,
@@ -27,8 +23,6 @@ from ..mechanics import (
 )
 from ..scene import AnyWall, Growth, LinearWall, OgdenWall, PressureTable, Scene, Wall
 from .discretise import discretise
-
-Array = NDArray[np.float64]
 
 
 def strain_energy(material: AnyWall) -> Law:
@@ -83,10 +77,10 @@ def zone_law(scene: Scene, mesh: Discretisation, own: Law | None = None) -> Law 
             raise ValueError(
                 'a growth law of your own has no threshold; polarity.weight must be "rate"'
             )
-        law = Law(law.function, {**law.parameters, "of_stress": Weights(tuple(stresses))})
+        law = Law(law.function, {**law.parameters, "of_stress": tuple(stresses)})
     if any(weight != Weight(weight.parts) for weight in rates):
-        weights = Weights(tuple(rates))
-        law = Law(growth_laws.weighted(law.function), {**law.parameters, "of_rate": weights})
+        rate = growth_laws.weighted(law.function)
+        law = Law(rate, {**law.parameters, "of_rate": tuple(rates)})
     return law
 
 
@@ -160,14 +154,8 @@ def build_shell(
 ) -> Shell:
     """Return the unloaded shell of a scene, on all ranks of a communicator.
 
-    Parameters
-    ----------
-    scene
-        What to discretise.
-    comm
-        MPI communicator whose ranks share the wall; by default all ranks of the world.
-    energy, growth_law
-        Laws in place of the scene's own. A growth law needs a scene with a growing zone.
+    By default, all ranks of the world share the wall. Laws of the user's own replace those of the
+    scene; a growth law needs a scene with a growing zone.
 
     Raises
     ------

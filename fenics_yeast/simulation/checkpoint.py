@@ -80,7 +80,7 @@ class Checkpoint:
         Raises
         ------
         CheckpointError
-            If it is damaged or has another version's format.
+            If it is damaged or has the format of another version.
         """
         try:
             with np.load(BytesIO(content)) as file:

@@ -1,7 +1,5 @@
 """Regular checkpoints of a run, and the way back from one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
@@ -17,18 +15,10 @@ _SHARE = 0.02  # largest part of the time that they may take
 
 
 class Checkpointer:
-    """Passes checkpoints on every few seconds; its methods are collective.
-
-    Parameters
-    ----------
-    shell, scene
-        The wall and its scene.
-    keep
-        Called with the checkpoints, on rank 0 only.
-    """
+    """Passes checkpoints to a function on rank 0 every few seconds; its methods are collective."""
 
     def __init__(self, shell: Shell, scene: Scene, keep: Callable[[Checkpoint], None]) -> None:
-        self._comm, self._ordering = shell.comm, Ordering(shell)
+        self._comm, self._ordering = shell.comm, Ordering(shell.space, shell.growing_points)
         self._scene, self._keep = scene.to_toml(), keep
         self._kept: Checkpoint | None = None
         self._next = perf_counter() + _EVERY
@@ -42,23 +32,13 @@ class Checkpointer:
             self.finish(checkpoint, timings)
 
     def finish(self, checkpoint: Checkpoint | None, timings: Timings) -> None:
-        """Pass on a checkpoint, unless it was passed on before.
-
-        Raises
-        ------
-        RootError
-            If it could not be kept.
-        """
+        """Pass on a checkpoint, unless it was passed on before."""
         if checkpoint is None or checkpoint is self._kept:
             return
         began = perf_counter()
         ordered = self._ordering.ordered(replace(checkpoint, scene=self._scene, timings=timings))
 
-        def keep() -> None:
-            if ordered is not None:
-                self._keep(ordered)
-
-        on_root(self._comm, keep)
+        on_root(self._comm, lambda: ordered is not None and self._keep(ordered))
         self._kept, now = checkpoint, perf_counter()
         self._next = now + max(_EVERY, (now - began) / _SHARE)
 
@@ -72,6 +52,6 @@ def local(checkpoint: Checkpoint, shell: Shell) -> Checkpoint:
         If it belongs to another wall.
     """
     try:
-        return Ordering(shell).local(checkpoint)
+        return Ordering(shell.space, shell.growing_points).local(checkpoint)
     except ValueError:
         raise CheckpointError("belongs to another mesh, made by another version") from None

@@ -1,14 +1,12 @@
 """The mesh of a scene's meridian, graded towards edges, loads and growing zones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..geometry import (
+    Array,
     Curve,
     Discretisation,
     End,
@@ -24,9 +22,6 @@ from ..geometry import (
     within,
 )
 from ..scene import Polarity, Scene
-
-Array = NDArray[np.float64]
-
 
 _NEAREST = 1e-3  # part of the width of a tip down to which elements get smaller towards it
 

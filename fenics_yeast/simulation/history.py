@@ -1,7 +1,5 @@
 """The history of a run: a row for each accepted state."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
@@ -9,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import Array
 from . import tables
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,30 +1,19 @@
 """Start a wall from the profile of another run."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
+from ..geometry import NEAR, Array
 from ..mechanics import Shell
 from .profiles import Profile
-
-Array = NDArray[np.float64]
-
-_NEAR = 1e-9  # of the meridian's length: places that differ by less are the same
 
 
 def set_initial_state(shell: Shell, profile: Profile | None) -> None:
     """Set a shell to the state of a profile: positions, director angles and growth strains.
 
-    The shear force is found by the next equilibrium. Collective; rank 0 has the profile.
-
-    Parameters
-    ----------
-    shell
-        The unloaded wall of the profile, or a part of it, on the same nodes.
-    profile
-        The state; needed only on rank 0.
+    The shell must be the unloaded wall of the profile, or a part of it, on the same nodes. The
+    next equilibrium gives the shear force. Collective; only rank 0 needs the profile.
 
     Raises
     ------
@@ -35,7 +24,7 @@ def set_initial_state(shell: Shell, profile: Profile | None) -> None:
     assert profile is not None
     curve = shell.discretisation.curve
     S, dofs = dx.node_dofs(shell.space)
-    near = _NEAR * curve.length
+    near = NEAR * curve.length
     places = _places(S, profile.S, near, "nodes")
     moved = (profile.r - curve.radius(profile.S), profile.z - curve.height(profile.S),
              profile.psi - curve.angle(profile.S))  # fmt: skip
@@ -43,15 +32,16 @@ def set_initial_state(shell: Shell, profile: Profile | None) -> None:
         shell.w.x.array[dofs[:, i]] = motion[places]
     shell.w.x.scatter_forward()
 
-    points = shell.quadrature_S
+    points = shell.points.S
     places = _places(points.ravel(), profile.S_points, near, "quadrature points")
     grown = profile.growth_strain[places].reshape(*points.shape, -1)
     if grown.shape[-1] != 2 * len(shell.eps):
         raise ValueError(f"numerics.thickness_points must be {len(profile.xi)}, as in the profile")
     rest = np.ones(len(points), dtype=bool)
     if shell.growth is not None:
-        rest[shell.growing_elements] = False
-        shell.growth.set(grown[shell.growing_elements].reshape(shell.growth.get().shape))
+        growing = shell.growing_points.elements
+        rest[growing] = False
+        shell.growth.set(grown[growing].reshape(shell.growth.get().shape))
     if grown[rest].any():
         raise ValueError("the profile has growth outside the scene's growing zones")
 

@@ -1,19 +1,14 @@
 """Measure a shell: the numbers of a history row, and profiles."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import edges
+from ..geometry import NEAR, edges
 from ..mechanics import Order, Shell, WallPoint
 from .profiles import Profile
-
-Array = NDArray[np.float64]
 
 
 class Sizes(NamedTuple):
@@ -35,7 +30,7 @@ class Measurements:
         self._nodes = Order(shell.comm, self._S)
         self._R, self._Z = curve.radius(self._S), curve.height(self._S)
         self._Phi = curve.angle(self._S)
-        near = 1e-9 * curve.length
+        near = NEAR * curve.length
         bottom, top = (np.abs(self._S - S) < near for S in shell.discretisation.ends_at)
         edge = bud = np.zeros(len(self._S), dtype=bool)
         for zone in growing:
@@ -50,16 +45,14 @@ class Measurements:
             (self._R[edge], self._dofs[edge, 0], 1),
         ]
         self._w = shell.w.x.array
-        owned = shell.mesh.topology.index_map(1).size_local
-        self._elements = np.arange(owned, dtype=np.int32)
-        self._points = Order(shell.comm, shell.quadrature_S[:owned].ravel())
-        self._fields = dx.compile_expression(
-            self._point_fields(), dx.quadrature_points(shell.degree)
-        )
+        points = shell.points.at(shell.points.owned)
+        self._S_points = points.S.ravel()
+        self._points = Order(shell.comm, self._S_points)
+        self._fields = points.compile(self._point_fields())
 
-    def _point_fields(self) -> object:
+    def _point_fields(self) -> list[object]:
         """Return strains, Cauchy stresses and growth strains at each integration point."""
-        values = []
+        values: list[object] = []
         for j, eps in enumerate(self._shell.eps):
             growth = self._shell.growth
             eps_g = ufl.as_vector([0, 0]) if growth is None else growth.strain(j)
@@ -67,7 +60,7 @@ class Measurements:
             tau, eps_3 = material.stress(eps, eps_g), material.thickness_strain(eps, eps_g)
             sigma = tau / WallPoint(tau, eps, eps_g, eps_3).J
             values += [vector[i] for vector in (eps, sigma, eps_g) for i in range(2)]
-        return ufl.as_vector(values)
+        return values
 
     def sizes(self) -> Sizes:
         """Return the sizes of the wall in the trial state; 0 for those that it lacks."""
@@ -87,10 +80,8 @@ class Measurements:
         psi = self._Phi + motion[:, 2] if shell.bending else self._Phi
         at_nodes = (self._S, self._R + motion[:, 0], self._Z + motion[:, 1], psi)
         nodes = self._nodes.gather(np.column_stack(at_nodes))
-        at_points = shell.quadrature_S[self._elements].ravel()
-        values = dx.evaluate(self._fields, shell.mesh, self._elements)
-        S = self._points.gather(at_points)
-        fields = self._points.gather(values.reshape(len(at_points), -1, 3, 2))
+        S = self._points.gather(self._S_points)
+        fields = self._points.gather(self._fields().reshape(len(self._S_points), -1, 3, 2))
         if nodes is None or S is None or fields is None:
             return None
         eps, sigma, eps_g = (np.ascontiguousarray(fields[:, :, i]) for i in range(3))

@@ -1,7 +1,5 @@
 """Notify the observers of a run of recorded rows and profiles."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -40,15 +38,7 @@ class RowCallback:
 
 
 class Publisher:
-    """Passes recorded rows and profiles on to an observer, on rank 0.
-
-    Parameters
-    ----------
-    comm
-        MPI communicator of the run.
-    observer
-        Notified on rank 0, but not again after it has raised an error.
-    """
+    """Passes rows and profiles to an observer on rank 0, until that raises an error."""
 
     def __init__(self, comm: Any, observer: Observer) -> None:
         self._comm, self._observer = comm, observer
@@ -57,12 +47,7 @@ class Publisher:
     def publish(self, news: deque[Row | Profile | None]) -> None:
         """Pass on what is new, oldest first; collective.
 
-        Raises
-        ------
-        RootError
-            If the observer raised an error.
-        KeyboardInterrupt
-            If the observer raised it; the remaining news can be published again.
+        Raises a `RootError` or KeyboardInterrupt if the observer raised an error or interrupt.
         """
         while news:
             event = news.popleft()

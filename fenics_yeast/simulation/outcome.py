@@ -1,7 +1,5 @@
 """How a run ended: a status word and a sentence."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -32,14 +30,9 @@ def limit_force_exceeded(limit: float) -> Outcome:
 
 
 def growth_limit_reached(row: Row, softens: bool = True) -> Outcome:
-    """Return the end of a run at which growth reached a limit point.
+    """Return the end of a run at which growth reached a limit point, after its last row.
 
-    Parameters
-    ----------
-    row
-        The last state before.
-    softens
-        Whether growth softens the wall; it does not where the energy is per grown volume.
+    Growth softens the wall unless the energy is per unit grown volume.
     """
     why = "growth has softened the wall until it can no longer carry the turgor"
     if not softens:

@@ -1,17 +1,13 @@
 """Profiles of the wall along its meridian at the saved times of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry import Array, Intervals
 from . import tables
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -47,9 +43,18 @@ class Profile:
 
 @dataclass(frozen=True)
 class Profiles:
-    """Profiles of the saved times, in order of time; ``profiles.at(90)`` picks one."""
+    """Profiles of the saved times, in order of time; ``profiles.at(90)`` picks one.
+
+    Attributes
+    ----------
+    all
+        The profiles.
+    zones
+        Parts of the meridian of each growing zone, by reference arc length in µm.
+    """
 
     all: tuple[Profile, ...]
+    zones: tuple[Intervals, ...] = ()
 
     def __len__(self) -> int:
         return len(self.all)

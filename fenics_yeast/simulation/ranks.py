@@ -1,24 +1,32 @@
 """Errors on several ranks: all ranks raise them, or all of them end."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from time import monotonic, sleep
 from typing import Any, Self, TypeVar
 
+from .result import EXIT_STATUS
+
 T = TypeVar("T")
 
-_PATIENCE = 10.0  # seconds; ranks that meet an error meet it at the same step
-_GAVE_UP, _INTERRUPTED = 4, 130
+_PATIENCE = 10.0  # seconds; ranks that share an error raise it in the same step
 
 
 class RootError(RuntimeError):
     """Rank 0 raised an error, which is this error's cause there; raised on all ranks at once."""
 
 
-def on_root(comm: Any, act: Callable[[], T]) -> T | None:
+def on_root(comm: Any, act: Callable[[], T], expected: type[Exception] | None = None) -> T | None:
     """Act on rank 0; what it raises there is raised on all ranks. Collective.
+
+    Parameters
+    ----------
+    comm
+        MPI communicator.
+    act
+        Called on rank 0.
+    expected
+        Errors of this class are raised on all ranks as such, made from their message.
 
     Returns
     -------
@@ -28,7 +36,7 @@ def on_root(comm: Any, act: Callable[[], T]) -> T | None:
     Raises
     ------
     RootError
-        If it raised an error.
+        If it raised another error.
     KeyboardInterrupt
         If it raised that.
     """
@@ -40,10 +48,13 @@ def on_root(comm: Any, act: Callable[[], T]) -> T | None:
         except (Exception, KeyboardInterrupt) as error:
             problem = error
     name, words = (type(problem).__name__, str(problem)) if problem else ("", "")
+    known = expected is not None and isinstance(problem, expected)
     if comm.size > 1:
-        name, words = comm.bcast((name, words))
+        name, words, known = comm.bcast((name, words, known))
     if name == KeyboardInterrupt.__name__:
         raise KeyboardInterrupt from problem
+    if expected is not None and known:
+        raise expected(words) from problem
     if name:
         raise RootError(f"{name}: {words}") from problem
     return value
@@ -52,12 +63,11 @@ def on_root(comm: Any, act: Callable[[], T]) -> T | None:
 class OtherRanks:
     """The other ranks that share a wall; a context manager.
 
-    An error on one rank would leave the others waiting for it in their next collective call,
-    without end.
+    An error on one rank would leave the others waiting forever in their next collective call.
     """
 
     def __init__(self, comm: Any) -> None:
-        # A communicator of its own: nothing here must match what the others wait for.
+        # A separate communicator: nothing here may match a call that the others wait in.
         self._comm: Any = comm.Dup() if comm.size > 1 else None
 
     def __enter__(self) -> Self:
@@ -82,8 +92,9 @@ class OtherRanks:
         words = f"{type(error).__name__}: {error}".replace("\n", " ")
         print(
             f"error: the run failed only on rank {self._comm.rank}, so all ranks end: {words}; "
-            "what it has written is kept",
+            "its output so far is kept",
             file=sys.stderr,
             flush=True,
         )
-        self._comm.Abort(_INTERRUPTED if isinstance(error, KeyboardInterrupt) else _GAVE_UP)
+        interrupted = isinstance(error, KeyboardInterrupt)
+        self._comm.Abort(EXIT_STATUS["interrupted" if interrupted else "failed"])

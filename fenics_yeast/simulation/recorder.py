@@ -1,7 +1,5 @@
 """Record the accepted states and saved profiles of a run."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,16 +13,9 @@ from .profiles import Profile
 
 @dataclass(frozen=True)
 class RecorderState:
-    """How much has been recorded.
+    """Numbers of rows, profiles, rejected steps and Newton iterations.
 
-    Attributes
-    ----------
-    rows, profiles
-        Number of accepted states and of profiles.
-    saved
-        Whether the last profile is that of the last row.
-    rejected, iterations
-        Number of rejected steps; Newton iterations of all steps.
+    `saved` says whether the last profile is that of the last row.
     """
 
     rows: int
@@ -37,22 +28,8 @@ class RecorderState:
 class Recorder:
     """Records accepted states and profiles of a shell; its methods are collective.
 
-    Parameters
-    ----------
-    shell
-        The wall, unloaded.
-
-    Attributes
-    ----------
-    rows, profiles
-        Accepted states and saved profiles; profiles on rank 0 only.
-    news
-        Rows and profiles that have not been published to the observers; None for a profile on
-        the other ranks.
-    rejected, iterations
-        Number of rejected steps; Newton iterations of all steps.
-    output_s
-        Seconds spent on profiles.
+    `rows` and `profiles` are complete on rank 0; other ranks have only the rows. `news` has those
+    that have not been published yet.
     """
 
     def __init__(self, shell: Shell) -> None:

@@ -5,16 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..geometry import Array
 from . import tables
 from .history import History, Row
 from .profiles import Profile, Profiles
 
-Array = NDArray[np.float64]
-
 Status = Literal["finished", "no-equilibrium", "unbounded", "failed", "interrupted"]
+
+EXIT_STATUS: dict[Status, int] = {
+    "finished": 0,
+    "no-equilibrium": 3,
+    "unbounded": 3,
+    "failed": 4,
+    "interrupted": 130,
+}
+"""Exit status of a process, by how its run ended."""
+
+ANSWERS: tuple[Status, ...] = ("finished", "no-equilibrium", "unbounded")
+"""Statuses of a run that has its answer, and would give the same one again."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Characteristic pressure, length and force of a scene, and the residual tolerance."""
 
-from __future__ import annotations
-
 from ..scene import PressureTable, Scene
 
 _ROUND_OFF = 1e-12  # of the nodal forces, for those that would double the wall's length
@@ -27,30 +25,22 @@ def force_scale(scene: Scene) -> float:
 
 
 def residual_tolerance(scene: Scene, nodes: int) -> float:
-    """Return the norm of the residual in µN at which it counts as zero.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    nodes
-        Number of nodes of its mesh, over which the load is spread.
-    """
+    """Return the norm of the residual in µN that counts as zero, on a number of nodes."""
     return _precision(scene) * _load(scene, nodes)
 
 
 def _precision(scene: Scene) -> float:
-    """Relative size at which a residual counts as zero: below the errors of adaptive steps."""
+    """Return the relative residual that counts as zero, below the errors of adaptive steps."""
     numerics = scene.numerics
     fixed = numerics.step is not None or scene.growth is None
     return 1e-8 if fixed else max(1e-10, min(1e-5, 0.05 * numerics.tolerance))
 
 
 def _load(scene: Scene, nodes: int) -> float:
-    """Size of the nodal forces in µN: of the largest load, or of a strain of 1 %.
+    """Return the size of the nodal forces in µN: of the largest load, or of a strain of 1 %.
 
-    An open wall may bend under loads that hardly strain it, and a force is small beside turgor:
-    then the size is that of the load, but no smaller than round-off allows.
+    Small loads may bend an open wall, and a force is small beside turgor: then it is the size of
+    the load, but no smaller than round-off allows.
     """
     unit, radius = pressure_scale(scene), scene.cell.radius
     sizes, least = _pressures(scene), 0.01 * unit
@@ -61,7 +51,7 @@ def _load(scene: Scene, nodes: int) -> float:
 
 
 def _pressures(scene: Scene) -> list[float]:
-    """Sizes of the pressures of a scene, in MPa."""
+    """Return the sizes of the pressures of a scene in MPa."""
     pressure = scene.turgor.pressure
     if scene.path is not None and not scene.path.until.of_load:
         pressure = scene.path.until.pressure or pressure_scale(scene)
@@ -70,7 +60,7 @@ def _pressures(scene: Scene) -> list[float]:
 
 
 def _pressures_of_open_wall(scene: Scene) -> list[float]:
-    """The same; on a path to a volume, the pressure that bends the wall, or strains a membrane."""
+    """Return the same; on a path to a volume, what bends the wall or strains a membrane."""
     if scene.path is None or scene.path.until.volume_ratio is None:
         return _pressures(scene)
     unit = pressure_scale(scene)
@@ -79,7 +69,7 @@ def _pressures_of_open_wall(scene: Scene) -> list[float]:
 
 
 def _pressures_of_force(scene: Scene) -> list[float]:
-    """Sizes of the forces of a scene, each as a pressure on `R²`, in MPa."""
+    """Return the sizes of the forces of a scene as pressures on `R²` in MPa."""
     load, path, radius = scene.axial_load, scene.path, scene.cell.radius
     sizes = [] if load is None else [abs(load.force) / radius**2]
     if path is not None and path.until.of_load:

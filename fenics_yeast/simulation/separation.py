@@ -6,8 +6,6 @@ as on the wall, and the septum transmits this load to the edge. Nothing moves at
 septum then exerts the forces that the other cell exerted before.
 """
 
-from __future__ import annotations
-
 from math import inf
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Run a scene from start to end: by `simulate`, or step by step by `Simulation`."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -158,7 +156,7 @@ class Simulation:
         status, message = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
         return Result(
             history=History(rows),
-            profiles=Profiles(tuple(recorder.profiles)),
+            profiles=Profiles(tuple(recorder.profiles), self._shell.discretisation.zones),
             status=status,
             message=message + (stability_note(rows) if status != "failed" else ""),
             end_time=self._time,

@@ -1,7 +1,5 @@
 """Runs of scenes with a table `[path]`: follow the path and report how it ends."""
 
-from __future__ import annotations
-
 from collections.abc import Generator
 from typing import Self
 
@@ -24,26 +22,12 @@ from .scales import force_scale, length_scale, pressure_scale
 
 
 class Static:
-    """A run of a scene along its equilibrium path: a context manager.
+    """A run of a scene along its equilibrium path; a context manager.
 
-    Parameters
-    ----------
-    scene, path
-        What is run, and its path.
-    shell
-        Its unloaded wall.
-    recorder
-        Records all points, at time 0.
-    tolerance
-        Norm of the residual in µN at which it counts as zero.
-
-    Attributes
-    ----------
-    checkpoint
-        None: a path is not resumed.
+    `tolerance` is the norm of the residual in µN that counts as zero.
     """
 
-    checkpoint = None
+    checkpoint = None  # a path is not resumed
 
     def __init__(
         self, scene: Scene, path: StaticPath, shell: Shell, recorder: Recorder, tolerance: float
@@ -66,7 +50,10 @@ class Static:
         if (lost := self._preload(coordinates)) is not None:
             return lost
         yield self._accept(0)
-        points = follow_path(shell, coordinates, path.control, target, path.steps, self._tolerance)
+        closed = self._scene.cell.closed
+        points = follow_path(
+            shell, coordinates, path.control, target, path.steps, self._tolerance, closed
+        )
         try:
             for iterations in points:
                 yield self._accept(iterations)
@@ -87,7 +74,7 @@ class Static:
         if until.of_load:
             of_force = PathCoordinates(shell.force, length_scale(scene), force_scale(scene))
             if until.displacement is not None:
-                return of_force, PathTarget(0, until.displacement / of_force.amount_unit)
+                return of_force, PathTarget(0, until.displacement / of_force.conjugate_unit)
             return of_force, PathTarget(1, (until.force or 0.0) / of_force.load_unit)
         volume_0, unit = shell.reference_volume, pressure_scale(scene)
         of_pressure = PathCoordinates(shell.pressure, volume_0, unit)

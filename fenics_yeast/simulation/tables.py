@@ -1,7 +1,5 @@
 """Results as pandas tables and, in notebooks, as HTML."""
 
-from __future__ import annotations
-
 from typing import Any
 
 _SHOWN = 10  # rows of a long table in a notebook

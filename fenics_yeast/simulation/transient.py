@@ -1,20 +1,18 @@
 """Runs in time: find the first equilibrium, take steps, and report how the run ends."""
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from collections.abc import Generator, Sequence
 from contextlib import ExitStack
-from typing import Self
+from typing import Any, Self
 
 from ..mechanics import Shell
 from ..scene import PressureTable, Scene
 from ..solve import (
     TABLEAUX,
-    ApproachEnd,
     Equilibrium,
     EquilibriumError,
     PathError,
+    Resumable,
     Stability,
     StepController,
     StepResult,
@@ -39,22 +37,10 @@ _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wal
 
 
 class Transient:
-    """A run of a scene in time, or to a single equilibrium: a context manager.
+    """A run of a scene in time, or to a single equilibrium; a context manager.
 
-    Parameters
-    ----------
-    scene, shell
-        What is run, and its unloaded wall.
-    recorder
-        Records all steps.
-    tolerance
-        Norm of the residual in µN at which it counts as zero.
-
-    Attributes
-    ----------
-    checkpoint
-        All that determines how the run continues from the last step, with the arrays of this
-        rank in its own order and without timings; None before the first.
+    `tolerance` is the norm of the residual in µN that counts as zero. `checkpoint` is the last one,
+    with this rank's arrays and without timings; None before the first step.
     """
 
     def __init__(self, scene: Scene, shell: Shell, recorder: Recorder, tolerance: float) -> None:
@@ -70,6 +56,13 @@ class Transient:
         self._switches = sorted(time for zone in scene.growing for time in zone.span)
         self._kinks = self._find_kinks()
         self._controller = self._step_controller()
+        # By the names of a checkpoint. The solver comes first, as it moves the shell.
+        self._resumable: dict[str, Resumable[Any]] = {
+            "chord": self._equilibrium,
+            "stepper": self._stepper,
+            "controller": self._controller,
+            "stability": self._stability,
+        }
         self.checkpoint: Checkpoint | None = None
 
     def __enter__(self) -> Self:
@@ -84,10 +77,8 @@ class Transient:
 
     def restore(self, checkpoint: Checkpoint) -> None:
         """Continue from a checkpoint, whose arrays are those of this rank."""
-        self._equilibrium.restore(checkpoint.chord)
-        self._stepper.restore(checkpoint.stepper)
-        self._controller.restore(checkpoint.controller)
-        self._stability.restore(checkpoint.stability)
+        for name, part in self._resumable.items():
+            part.restore(getattr(checkpoint, name))
         self._reduced = checkpoint.step_reduced
         self.checkpoint = checkpoint
 
@@ -111,7 +102,7 @@ class Transient:
                 if not self._past_limit():
                     if row := self._accept_or_reject(step, end):
                         yield row
-                        if (infinite := blow_up_time(recorder.rows)) is not None:
+                        if (infinite := self._blow_up()) is not None:
                             return growth_unbounded(infinite, row)
                     continue
                 self._stepper.reject()
@@ -149,10 +140,7 @@ class Transient:
             recorder.save()
         self.checkpoint = Checkpoint(
             scene="",
-            stepper=self._stepper.state(),
-            chord=self._equilibrium.state(),
-            controller=self._controller.state(),
-            stability=self._stability.state(),
+            **{name: part.state() for name, part in self._resumable.items()},
             step_reduced=self._reduced,
             recorder=recorder.state(),
             timings=Timings(),
@@ -240,12 +228,10 @@ class Transient:
         return self._controller.accepts(self._relative_error(error, end - self._time))
 
     def _relative_error(self, error: float, dt: float) -> float:
-        """Estimated error of the volume over the largest one allowed in a step.
+        """Return the estimated error of the volume over the largest one allowed in a step.
 
-        An error of the volume acts like a shift in time by it over `V'`, and shifts add up over
-        the run: it is compared with what the cell grows in the characteristic time. In fast
-        growth the shift is multiplied by what is still to come, and it is compared with the
-        volume.
+        An error δV acts like a shift in time by `δV/V'`, and shifts add up over the run: it is
+        compared with the growth in the characteristic growth time or, if fast, with the volume.
         """
         growth_time, recorder = self._scene.growth_time, self._recorder
         if growth_time is None:
@@ -258,10 +244,7 @@ class Transient:
 
     @property
     def _patience(self) -> int:
-        """Failed steps in a row after which a limit point is looked for.
-
-        Adaptive steps are short where much happens: the first that fails has met something.
-        """
+        """Failed steps in a row after which a limit point is looked for."""
         return _FAILURES if self._scene.numerics.step is not None else 1
 
     # --- ends -----------------------------------------------------------------------------
@@ -290,6 +273,12 @@ class Transient:
             self._stepper.reject()
         return limit_pressure_exceeded(limit.pressure, time)
 
+    def _blow_up(self) -> float | None:
+        """Return the time in min at which the volume becomes infinite before any milestone."""
+        infinite = blow_up_time(self._recorder.rows)
+        milestone = self._controller.propose_milestone(self._time)
+        return infinite if infinite and milestone and infinite < milestone else None
+
     def _meets_growth_limit(self, end: float) -> Generator[Row, None, bool]:
         """Whether a growing wall loses its equilibrium on the way to a time, followed by volume."""
         rate = self._volume_rate(end)
@@ -300,7 +289,7 @@ class Transient:
         )
         self._stepper.reset_predictor()
         self._recorder.iterations += iterations
-        return found is ApproachEnd.LIMIT
+        return found
 
     def _volume_rate(self, end: float) -> float:
         """Rate of the volume in µm³/min: that of the last step, and what the pressure changes."""

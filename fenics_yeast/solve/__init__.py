@@ -1,37 +1,20 @@
 """Equilibrium and time: Newton's method, continuation, stability and time stepping of a shell.
 
-Knows no scene: it gets a shell, loads as numbers or functions, and tolerances.
+Knows no scene: it works on a shell, loads as numbers or functions, and tolerances.
 """
 
-from __future__ import annotations
-
 from .equilibrium import ChordState, Equilibrium, EquilibriumError
-from .limit_points import ApproachEnd, approach_limit_point
-from .path_following import PathCoordinates, PathError, PathTarget, find_limit_pressure, follow_path
+from .limit_points import approach_limit_point, find_limit_pressure
+from .path_following import PathCoordinates, PathError, PathTarget, follow_path
+from .resumable import Resumable
 from .runge_kutta import TABLEAUX, ButcherTableau
 from .stability import Stability, StabilityState
 from .step_control import ControllerState, StepController, same_time
 from .time_stepper import StepperState, StepResult, TimeStepper
 
 __all__ = [
-    "TABLEAUX",
-    "ApproachEnd",
-    "ButcherTableau",
-    "ChordState",
-    "ControllerState",
-    "Equilibrium",
-    "EquilibriumError",
-    "PathCoordinates",
-    "PathError",
-    "PathTarget",
-    "Stability",
-    "StabilityState",
-    "StepController",
-    "StepResult",
-    "StepperState",
-    "TimeStepper",
-    "approach_limit_point",
-    "find_limit_pressure",
-    "follow_path",
-    "same_time",
-]
+    "TABLEAUX", "ButcherTableau", "ChordState", "ControllerState", "Equilibrium",
+    "EquilibriumError", "PathCoordinates", "PathError", "PathTarget", "Resumable", "Stability",
+    "StabilityState", "StepController", "StepResult", "StepperState", "TimeStepper",
+    "approach_limit_point", "find_limit_pressure", "follow_path", "same_time",
+]  # fmt: skip

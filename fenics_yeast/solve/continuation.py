@@ -1,9 +1,16 @@
-"""Equilibrium where what loads the wall, pressure, force or time, is an unknown beside the state.
+"""Bordered Newton: equilibria with one parameter, a load or time, as an unknown beside the state.
 
-Past a limit point there is no equilibrium at a higher pressure, or at a later time of growth; but
-the volume still goes on, and leads the solution over the top. What is prescribed instead of the
-load is the volume (or the displacement of a force), or a weighted sum of volume and load, as in
-steps along an arc of the path.
+Past a limit point there is no equilibrium at a higher pressure, or at a later time of growth. But
+the volume still increases along the path; so it is prescribed in place of the load, or the
+displacement of a force, or a weighted sum of both and the load, as in steps of arc length.
+
+References
+----------
+H. B. Keller, Numerical solution of bifurcation and nonlinear eigenvalue problems, in P. H.
+Rabinowitz (ed.), Applications of Bifurcation Theory, Academic Press 1977, 359-384. E. Riks, An
+incremental approach to the solution of snapping and buckling problems, Int. J. Solids Struct. 15
+(1979) 529-551. P. Wriggers, J. C. Simo, A general procedure for the direct computation of turning
+and bifurcation points, Int. J. Numer. Methods Eng. 30 (1990) 155-176.
 """
 
 from __future__ import annotations
@@ -14,7 +21,7 @@ import numpy as np
 
 from .. import _dolfinx as dx
 from ..mechanics import Shell
-from .equilibrium import EquilibriumError, check_convergence, newton
+from .equilibrium import EquilibriumError, check_convergence, create_newton
 from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
@@ -22,18 +29,18 @@ _PRECISION = 1e-9  # of the volume, relative
 
 
 class BorderedNewton:
-    """Newton's method for the state and one parameter of the load; a context manager.
+    """Newton's method for the state and one parameter; a context manager.
 
-    The tangent is bordered by a row and a column. They are eliminated by blocks, with two
-    solutions of the plain tangent, so that no dense row is stored.
+    The tangent is bordered by a row and a column, which are eliminated by blocks: two solutions
+    with the plain tangent, and no dense row is stored.
 
     Parameters
     ----------
     shell
-        The wall; the solver moves its trial state.
+        The wall; the solver changes its trial state.
     parameter
         The unknown beside the state: `shell.pressure`, `shell.force`, or the stage of
-        `shell.growth`.
+        `shell.growth`, whose length is time.
     tolerance
         Norm of the residual in µN at which it counts as zero.
     """
@@ -45,10 +52,8 @@ class BorderedNewton:
         self._growth = shell.growth if by_growth else None
         self._equations = equations = Equations(shell)
         size = shell.reference_volume if self._force is None else self._force.scale
-        self._weight = tolerance / (_PRECISION * size)
-        self._target = self._by_parameter = 0.0
-        self._by_amount = 1.0
-        self._rise = (0.0, 0.0)
+        self._scale = tolerance / (_PRECISION * size)  # of the last equation, to a force
+        self._target, self._weights, self._ramp = 0.0, (1.0, 0.0), (0.0, 0.0)
         self._root = shell.comm.rank == 0
         vector = equations.matrix.createVecRight
         self._a, self._b, self._column, self._row = (vector() for _ in range(4))
@@ -61,98 +66,96 @@ class BorderedNewton:
         self._solver = dx.PETSc.KSP().create(shell.comm)
         self._solver.setOperators(equations.matrix)
         use_lu(self._solver)
-        self.snes = newton(shell.comm, "volume_control_", tolerance)
-        self.snes.setFunction(self._residual, self._f)
-        self.snes.setJacobian(self._jacobian, self._bordered)
-        outer = self.snes.getKSP()
+        self._snes = create_newton(shell.comm, "bordered_newton_", tolerance)
+        self._snes.setFunction(self._residual, self._f)
+        self._snes.setJacobian(self._jacobian, self._bordered)
+        outer = self._snes.getKSP()
         outer.setType("preonly")
         outer.getPC().setType("python")
         outer.getPC().setPythonContext(self)
-        self.snes.setFromOptions()
+        self._snes.setFromOptions()
 
     def __enter__(self) -> BorderedNewton:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for item in (self.snes, self._solver, self._bordered, self._equations, self._x, self._f,
+        for item in (self._snes, self._solver, self._bordered, self._equations, self._x, self._f,
                      self._a, self._b, self._column, self._row):  # fmt: skip
             item.destroy()
 
-    def amount(self) -> float:
-        """What the load works on: volume in µm³, or displacement in µm of a force."""
+    def conjugate(self) -> float:
+        """Return what the load works on: volume in µm³ or, for a force, displacement in µm."""
         return self._shell.volume() if self._force is None else self._force.displacement()
 
     def solve(
         self,
         target: float,
-        by_amount: float = 1.0,
-        by_parameter: float = 0.0,
-        rise: tuple[float, float] | None = None,
+        weights: tuple[float, float] = (1.0, 0.0),
+        ramp: tuple[float, float] | None = None,
     ) -> int:
-        """Move trial state and parameter into the equilibrium of a given volume or displacement.
+        """Move trial state and parameter to the equilibrium of a given volume or displacement.
+
+        Returns the number of Newton iterations.
 
         Parameters
         ----------
         target
-            What the weighted sum of amount and parameter shall be; with the weights left out, the
-            amount: volume in µm³ or, of a force, displacement in µm.
-        by_amount, by_parameter
-            The weights.
-        rise
-            Pressure in MPa at the beginning of the stage, and its rate in MPa/min, where the
-            stage's length is the unknown; left out, the pressure stays.
-
-        Returns
-        -------
-        int
-            Newton iterations.
+            Value of the weighted sum of conjugate and parameter; by default, the volume in µm³ or
+            the displacement in µm.
+        weights
+            Of conjugate and parameter in the sum.
+        ramp
+            Pressure in MPa at the beginning of the stage and its rate in MPa/min, if the stage's
+            length is the unknown; by default, the pressure is constant.
 
         Raises
         ------
         EquilibriumError
-            With SNES' reason in words; state, growth and parameter are then as before.
+            With the reason of SNES; state, growth and loads are then unchanged.
         """
-        before = self._shell.state()
-        value = accepted = float(self._parameter.value)
-        self._target, self._by_amount, self._by_parameter = target, by_amount, by_parameter
-        self._rise = rise or (float(self._shell.pressure.value), 0.0)
-        if self._parameter is self._shell.pressure:
+        shell, before = self._shell, self._shell.state()
+        value = parameter = float(self._parameter.value)
+        pressure = float(shell.pressure.value)
+        self._target, self._weights, self._ramp = target, weights, ramp or (pressure, 0.0)
+        if self._parameter is shell.pressure:
             value = inflate_flat_membrane(
-                self._shell, lambda V, p: by_amount * V + by_parameter * p, target
+                shell, lambda V, p: weights[0] * V + weights[1] * p, target
             )
         x = self._x.array
-        x[: self._equations.owned] = self._shell.w.x.array[: self._equations.owned]
+        x[: self._equations.owned] = shell.w.x.array[: self._equations.owned]
         x[self._equations.owned :] = value
-        self.snes.solve(None, self._x)
+        self._snes.solve(None, self._x)
         try:
-            iterations = check_convergence(self.snes)
+            iterations = check_convergence(self._snes)
         except EquilibriumError:
-            self._parameter.value = accepted
+            self._parameter.value = parameter
             if self._growth is not None:
-                self._shell.pressure.value = self._rise[0]
-            self._shell.restore(before)
+                shell.pressure.value = pressure
+            shell.restore(before)
             raise
-        state, self._parameter.value = self._parts(self._x)
-        if self._growth is not None:
-            self._shell.pressure.value = self._rise[0] + self._rise[1] * self._parameter.value
-        self._equations.load(state)
+        self._equations.set_trial(self._set_parameter(self._x))
         return iterations
 
-    def _parts(self, x: Any) -> tuple[Any, float]:
-        """State and parameter of an extended vector."""
+    def _split(self, x: Any) -> tuple[Any, float]:
+        """Return the owned DOFs and, on all ranks, the last entry of a bordered vector."""
         values = x.array_r
-        parameter = self._shell.comm.bcast(values[-1] if self._root else None)
-        return values[: self._equations.owned], float(parameter)
+        last = self._shell.comm.bcast(values[-1] if self._root else None)
+        return values[: self._equations.owned], float(last)
 
-    def _residual(self, snes: Any, x: Any, f: Any) -> None:
-        state, parameter = self._parts(x)
+    def _set_parameter(self, x: Any) -> Any:
+        """Set the parameter, and the pressure at that time, from a bordered vector; return DOFs."""
+        values, parameter = self._split(x)
         self._parameter.value = parameter
         if self._growth is not None:
-            self._shell.pressure.value = self._rise[0] + self._rise[1] * parameter
-        out = f.array
-        self._equations.residual(state, out[: self._equations.owned])
-        reached = self._by_amount * self.amount() + self._by_parameter * parameter
-        out[self._equations.owned :] = self._weight * (reached - self._target)
+            self._shell.pressure.value = self._ramp[0] + self._ramp[1] * parameter
+        return values
+
+    def _residual(self, snes: Any, x: Any, f: Any) -> None:
+        out, owned = f.array, self._equations.owned
+        self._equations.residual(self._set_parameter(x), out[:owned])
+        by_conjugate, by_parameter = self._weights
+        reached = by_conjugate * self.conjugate() + by_parameter * float(self._parameter.value)
+        out[owned:] = self._scale * (reached - self._target)
 
     def _jacobian(self, snes: Any, x: Any, J: Any, P: Any) -> None:
         shell, equations = self._shell, self._equations
@@ -169,29 +172,29 @@ class BorderedNewton:
             self._column.array[:] = -self._row.array_r / (2 * np.pi)
         if self._growth is not None:
             equations.assemble(shell.forms.stage_force, self._b.array)
-            self._column.aypx(self._rise[1], self._b)
-        self._row.scale(self._weight * self._by_amount)
+            self._column.aypx(self._ramp[1], self._b)
+        self._row.scale(self._scale * self._weights[0])
         self._solver.solve(self._column, self._b)
 
     def mult(self, matrix: Any, x: Any, y: Any) -> None:
-        """Product of the bordered tangent, which the line search asks for."""
-        state, parameter = self._parts(x)
-        self._a.array[:] = state
-        last = self._row.dot(self._a) + self._weight * self._by_parameter * parameter
+        """Multiply with the bordered tangent; called by the line search of SNES."""
+        values, parameter = self._split(x)
+        self._a.array[:] = values
+        last = self._row.dot(self._a) + self._scale * self._weights[1] * parameter
         out, product = y.array, self._equations.matrix * self._a
         out[: self._equations.owned] = product.array_r + parameter * self._column.array_r
         out[self._equations.owned :] = last
         product.destroy()
 
     def apply(self, pc: Any, x: Any, y: Any) -> None:
-        """Solution with the bordered tangent, by blocks."""
-        force, last = self._parts(x)
-        product = self._a.duplicate()
-        product.array[:] = force
-        self._solver.solve(product, self._a)
-        corner = self._weight * self._by_parameter
+        """Solve with the bordered tangent by block elimination; called by the solver of SNES."""
+        values, last = self._split(x)
+        force = self._a.duplicate()
+        force.array[:] = values
+        self._solver.solve(force, self._a)
+        corner = self._scale * self._weights[1]
         change = (self._row.dot(self._a) - last) / (self._row.dot(self._b) - corner)
         out = y.array
         out[: self._equations.owned] = self._a.array_r - change * self._b.array_r
         out[self._equations.owned :] = change
-        product.destroy()
+        force.destroy()

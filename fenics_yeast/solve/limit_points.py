@@ -1,30 +1,35 @@
-"""The approach to a limit point of growth, beyond which the wall finds no equilibrium."""
+"""Limit points, beyond which a wall has no equilibrium: in time, and under rising pressure.
 
-from __future__ import annotations
+Both searches prescribe the volume, which still increases at a limit point, and solve for what
+reaches its maximum there: time or pressure.
+"""
 
 from collections.abc import Callable, Generator
-from enum import Enum
+from dataclasses import dataclass
 from math import copysign
 from typing import TypeVar
 
+import numpy as np
+
+from ..geometry import Array
+from ..mechanics import Shell
 from .continuation import BorderedNewton
 from .equilibrium import EquilibriumError
-from .time_stepper import LIMIT_POINT, TimeStepper
-
-_SHARPNESS = 2e-5  # of the time: how near the limit point is found
-_LARGEST_STEP = 0.02  # of the volume; less of it where more precision is wanted
-_LEAST_STEP = 1e-7
-_MOST_STEPS = 400
+from .path_following import LEAST_STEP, PathError
+from .runge_kutta import TABLEAUX
+from .time_stepper import TimeStepper
 
 T = TypeVar("T")
 
+_LARGEST_STEP = 0.02  # of the volume; smaller for a higher precision
+_TABLEAU = TABLEAUX["sdirk3"]  # of steps in volume
+_SHARPNESS = 2e-5  # of the time: how accurately the limit point is located
+_LEAST_GROWTH_STEP = 1e-7  # of the volume
+_MOST_GROWTH_STEPS, _MOST_PRESSURE_STEPS = 400, 1000
+_BEFORE = 2e-4  # of the volume: how far before a limit pressure the search stops
 
-class ApproachEnd(Enum):
-    """How an approach ended."""
 
-    LIMIT = "the limit point was found"
-    MILESTONE = "time came to a milestone; no limit point so far"
-    STUCK = "no step in volume converged either"
+# --- in time ------------------------------------------------------------------------------
 
 
 def approach_limit_point(
@@ -33,68 +38,158 @@ def approach_limit_point(
     precision: float,
     growth_rate: float,
     milestone: float,
-    note: Callable[[int, float], T],
-) -> Generator[T, None, tuple[ApproachEnd, int]]:
-    """Step in volume, with time as an unknown, until time no longer goes on.
+    record: Callable[[int, float], T],
+) -> Generator[T, None, tuple[bool, int]]:
+    """Step in volume, with time as an unknown, until time reaches its maximum.
 
-    Yields the row of each accepted step.
+    Yields what `record` returns for each accepted step; returns whether a limit point was found
+    before the milestone, and the Newton iterations of rejected steps.
 
     Parameters
     ----------
-    evolution
-        The wall at its accepted state, under a pressure that changes linearly up to the milestone.
+    stepper
+        The wall at its accepted state, under a pressure that is linear in time up to the milestone.
     tolerance
         Norm of the residual in µN at which it counts as zero.
     precision
-        Wanted relative error of the volume.
+        Allowed relative error of the volume.
     growth_rate
         Rate of the volume at the accepted state in µm³/min, not zero.
     milestone
         Time in min that must not be passed.
-    note
-        Makes the row of an accepted step from its Newton iterations and its length in min.
-
-    Returns
-    -------
-    tuple
-        How it ended, and the iterations of rejected steps.
+    record
+        Called with Newton iterations and length in min of each accepted step.
     """
     shell = stepper.shell
     if shell.growth is None:
         raise ValueError("an elastic wall does not change in time")
-    spent = 0
-    fraction = _LARGEST_STEP * min(1.0, 0.8 * (precision / 1e-4) ** (1 / LIMIT_POINT.order))
+    rejected = 0
+    fraction = _LARGEST_STEP * min(1.0, 0.8 * (precision / 1e-4) ** (1 / _TABLEAU.order))
     largest = copysign(fraction * shell.volume(), growth_rate)
     change, first_rate = 0.5 * largest, growth_rate
     beginning, pressure = stepper.accepted.time, stepper.pressure
     slope = (pressure(milestone) - pressure(beginning)) / (milestone - beginning)
-    with BorderedNewton(shell, shell.growth.stage, tolerance) as control:
-        for _ in range(_MOST_STEPS):
+    with BorderedNewton(shell, shell.growth.stage, tolerance) as solver:
+        for _ in range(_MOST_GROWTH_STEPS):
             start, volume = stepper.accepted.time, shell.volume()
             try:
                 guess = change / growth_rate
-                iterations, dt = stepper.attempt_volume_step(control, volume + change, guess, slope)
+                iterations, dt = _attempt(stepper, solver, volume + change, guess, slope)
             except EquilibriumError as error:
-                spent += error.iterations
+                rejected += error.iterations
                 change /= 4
-                if abs(change) < _LEAST_STEP * volume:
-                    return ApproachEnd.STUCK, spent
+                if abs(change) < _LEAST_GROWTH_STEP * volume:
+                    return False, rejected
                 continue
             if dt <= 0:
                 stepper.reject()
-                spent += iterations
+                rejected += iterations
                 # Time is a parabola of the volume here: half of what it could still gain.
                 if change / growth_rate < _SHARPNESS * max(start, milestone - beginning):
-                    # Towards a limit point the volume moves ever faster; else it turns here.
-                    limit = abs(growth_rate) > abs(first_rate)
-                    return ApproachEnd.LIMIT if limit else ApproachEnd.STUCK, spent
+                    # Towards a limit point the volume changes ever faster; else it turns here.
+                    return abs(growth_rate) > abs(first_rate), rejected
                 change /= 2
                 continue
             if start + dt > milestone:
                 stepper.reject()
-                return ApproachEnd.MILESTONE, spent + iterations
+                return False, rejected + iterations
             stepper.accept(start + dt)
-            yield note(iterations, dt)
+            yield record(iterations, dt)
             growth_rate = change / dt
             change = min(1.5 * change, largest, key=abs)
-    return ApproachEnd.STUCK, spent
+    return False, rejected
+
+
+def _attempt(
+    stepper: TimeStepper, solver: BorderedNewton, volume: float, dt: float, slope: float
+) -> tuple[int, float]:
+    """Make a trial step to a volume; return Newton iterations and the time in min that it takes.
+
+    Near a limit point, where the volume changes ever faster in time, time is a smooth function of
+    the volume; it is not positive past the limit point. `dt` is its initial guess, and `slope`
+    the rate of the pressure in MPa/min.
+    """
+    growth, accepted = stepper.shell.growth, stepper.accepted.eps_g
+    assert growth is not None and accepted is not None
+    growth.set_interval(stepper.accepted.time, stepper.accepted.time)  # no milestone is passed
+    start, pressure = stepper.shell.volume(), stepper.pressure(stepper.accepted.time)
+    A, c = _TABLEAU.A, _TABLEAU.c
+    durations: list[float] = []
+    changes: list[Array] = []  # of the growth strains, as over the whole step
+    iterations = 0
+    try:
+        for i in range(len(c)):
+            base = accepted + sum(a * k for a, k in zip(A[i], changes, strict=False))
+            growth.stage.value = A[i, i] * (durations[-1] if durations else dt)
+            growth.set_base(base)
+            growth.set(base + A[i, i] * changes[-1] if changes else base)
+            elapsed = sum(a * d for a, d in zip(A[i], durations, strict=False))
+            ramp = (pressure + slope * elapsed, slope)
+            iterations += solver.solve(start + c[i] * (volume - start), ramp=ramp)
+            durations.append(float(growth.stage.value) / A[i, i])
+            changes.append((growth.get() - base) / A[i, i])
+            if durations[-1] <= 0:
+                return iterations, durations[-1]
+    except BaseException:
+        stepper.reject()
+        raise
+    finally:
+        growth.stage.value = 0.0
+    return iterations, float(_TABLEAU.b @ durations)
+
+
+# --- under rising pressure ----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class LimitPressure:
+    """A limit pressure in MPa, and the Newton iterations of its search."""
+
+    pressure: float
+    iterations: int
+
+
+def find_limit_pressure(shell: Shell, pressure: float, tolerance: float) -> LimitPressure | None:
+    """Find the limit point between the trial state and a pressure; None if there is none.
+
+    At given growth. The trial state moves to just before the limit point or, without one, to
+    about the given pressure.
+
+    Parameters
+    ----------
+    shell
+        The wall in equilibrium.
+    pressure
+        Pressure in MPa to be reached, of either sign.
+    tolerance
+        Norm of the residual in µN at which it counts as zero.
+
+    Raises
+    ------
+    PathError
+        If no step in volume converges.
+    """
+    sign = copysign(1.0, pressure - float(shell.pressure.value))
+    points = [(shell.volume(), float(shell.pressure.value))]
+    step, iterations, size = _LARGEST_STEP, 0, shell.reference_volume
+    with BorderedNewton(shell, shell.pressure, tolerance) as solver:
+        for _ in range(_MOST_PRESSURE_STEPS):
+            try:
+                iterations += solver.solve(points[-1][0] + sign * step * size)
+            except EquilibriumError as error:
+                iterations += error.iterations
+                step /= 2
+                if step < LEAST_STEP * _LARGEST_STEP:
+                    raise PathError(f"no step from here converged: {error}") from error
+                continue
+            points.append((shell.volume(), float(shell.pressure.value)))
+            step = min(_LARGEST_STEP, 1.5 * step)
+            if len(points) > 2 and sign * (points[-1][1] - points[-2][1]) < 0:
+                volumes, pressures = np.array(points[-3:]).T
+                top = np.polynomial.Polynomial.fit(volumes, pressures, 2).deriv().roots()[0]
+                iterations += solver.solve(float(np.real(top)) - sign * _BEFORE * size)
+                found = float(shell.pressure.value)
+                return LimitPressure(found, iterations) if sign * (pressure - found) > 0 else None
+            if sign * (pressure - points[-1][1]) <= 0:
+                return None
+    raise PathError(f"the pressure was not reached in {_MOST_PRESSURE_STEPS} steps in volume")

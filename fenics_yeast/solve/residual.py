@@ -1,6 +1,4 @@
-"""The discrete equations of a shell in PETSc: residual, tangent and the linear solver for them."""
-
-from __future__ import annotations
+"""The discrete equations of a shell in PETSc: residual, tangent and their linear solver."""
 
 from typing import Any
 
@@ -9,29 +7,29 @@ import numpy as np
 from .. import _dolfinx as dx
 from ..mechanics import GrowthState, Shell
 
-_SHIFT = 1e-10
-_SHARED = "shared_wall_"  # prefix of the options of solvers on several ranks
-_LU_OF_EACH = {  # those of `use_lu` on one rank
-    "redundant_pc_type": "lu",
-    "redundant_pc_factor_mat_solver_type": "petsc",
-    "redundant_pc_factor_mat_ordering_type": "rcm",
-    "redundant_pc_factor_shift_type": "nonzero",
-    "redundant_pc_factor_shift_amount": _SHIFT,
+_PREFIX = "wall_lu_"  # of the PETSc options of all linear solvers
+_LU = {
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "petsc",
+    "pc_factor_mat_ordering_type": "rcm",  # a banded matrix
+    # Without pivoting, a wall without bending stiffness (one fibre) leads to a zero pivot.
+    "pc_factor_shift_type": "nonzero",
+    "pc_factor_shift_amount": 1e-10,
 }
 
 
 class Equations:
-    """Residual and tangent of a shell as functions of a PETSc vector of its unknowns.
+    """Residual and tangent of a shell as functions of its DOFs.
 
-    Where the stage of the growth state has a length, growth follows the strain: the residual
-    solves for it at every point, and the tangent is the consistent one.
+    If the stage of the growth state has a length, growth follows the strain: the residual solves
+    for it at every point, and the tangent is the consistent one.
 
     Attributes
     ----------
     matrix
         The tangent of the last call.
     owned
-        Number of unknowns of this rank.
+        Number of DOFs that this rank owns.
     """
 
     def __init__(self, shell: Shell) -> None:
@@ -41,41 +39,41 @@ class Equations:
         self._b, self._w = self._assembled.x.array, shell.w.x.array
         dofmap = shell.space.dofmap
         self.owned = dofmap.index_map.size_local * dofmap.index_map_bs
-        self._held = shell.constrained[shell.constrained < self.owned]
+        self._constrained = shell.constrained[shell.constrained < self.owned]
 
     def destroy(self) -> None:
-        """Free the matrix."""
+        """Destroy the matrix."""
         self.matrix.destroy()
 
     def _following(self) -> GrowthState | None:
-        """The growth state if growth follows the strain in a stage."""
+        """Return the growth state if growth follows the strain in a stage."""
         growth = self.shell.growth
         return None if growth is None or growth.stage.value == 0 else growth
 
-    def load(self, values: Any) -> bool:
-        """Make values of the owned unknowns the trial state; False if growth cannot follow."""
+    def set_trial(self, values: Any) -> bool:
+        """Set the trial state from the owned DOFs; return False if growth cannot follow."""
         self._w[: self.owned] = values
         self.shell.w.x.scatter_forward()
         growth = self._following()
         return growth is None or growth.update()
 
     def set_trial_if_changed(self, values: Any) -> None:
-        """Load values unless they are, on all ranks, those of the trial state already."""
-        loaded = np.array_equal(self._w[: self.owned], values)
+        """Set the trial state unless, on all ranks, it has these values."""
+        equal = np.array_equal(self._w[: self.owned], values)
         if self.shell.comm.size > 1:
-            loaded = self.shell.comm.allreduce(loaded, op=dx.MPI.LAND)
-        if not loaded:
-            self.load(values)
+            equal = self.shell.comm.allreduce(equal, op=dx.MPI.LAND)
+        if not equal:
+            self.set_trial(values)
 
     def residual(self, values: Any, out: Any) -> None:
-        """Residual at values of the owned unknowns; not a number where growth cannot follow."""
-        defined = self.load(values)
+        """Compute the residual at values of the owned DOFs; NaN if growth cannot follow."""
+        defined = self.set_trial(values)
         self.assemble(self.shell.forms.residual, out)
         if not defined:
             out[:] = np.nan
 
     def tangent(self) -> None:
-        """Bring the matrix up to the trial state."""
+        """Assemble the matrix in the trial state."""
         shell, growth, form = self.shell, self._following(), self.shell.forms.tangent
         if growth is not None:
             shell.forms.update()
@@ -83,34 +81,27 @@ class Equations:
         dx.assemble_matrix(self.matrix, form, shell.conditions)
 
     def assemble(self, form: Any, out: Any) -> None:
-        """Values of a linear form for the owned unknowns; zero where the motion is held."""
+        """Assemble a linear form for the owned DOFs; zero for constrained ones."""
         self._b[:] = 0
         dx.fem.assemble_vector(self._b, form)
         dx.accumulate(self._assembled)
         out[:] = self._b[: self.owned]
         if form is self.shell.forms.residual and self.shell.force is not None:
             self.shell.force.add_to(out)
-        out[self._held] = 0
+        out[self._constrained] = 0
 
 
 def use_lu(solver: Any) -> None:
-    """Make a KSP a direct solver by PETSc's own LU; of several ranks each solves the whole.
+    """Make a KSP a direct solver with PETSc's own LU; each of several ranks solves all of it.
 
-    The matrices are small and banded: that takes less time than to share the work, and gives the
-    same digits again.
+    The matrices are small and banded: this is faster than sharing the work, and reproducible to
+    the last digit.
     """
     solver.setType("preonly")
-    factors = solver.getPC()
+    solver.setOptionsPrefix(_PREFIX)
+    options, own = dx.PETSc.Options(), ""
     if solver.getComm().getSize() > 1:
-        solver.setOptionsPrefix(_SHARED)
-        options = dx.PETSc.Options()
-        for name, value in _LU_OF_EACH.items():
-            options[_SHARED + name] = value
-        factors.setType("redundant")
-        solver.setFromOptions()
-        return
-    factors.setType("lu")
-    factors.setFactorSolverType("petsc")
-    factors.setFactorOrdering("rcm")  # a banded matrix
-    # Without pivoting, a wall without bending (one fibre) is a zero pivot.
-    factors.setFactorShift(dx.PETSc.Mat.FactorShiftType.NONZERO, _SHIFT)
+        options[_PREFIX + "pc_type"], own = "redundant", "redundant_"
+    for name, value in _LU.items():
+        options[_PREFIX + own + name] = value
+    solver.setFromOptions()

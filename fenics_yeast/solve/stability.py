@@ -1,4 +1,8 @@
-"""Stability of an equilibrium: the inertia of the tangent at given growth and pressure."""
+"""Stability of an equilibrium: the inertia of the tangent at given growth and pressure.
+
+By Sylvester's law of inertia, the factors L D Lᵀ of the tangent have as many negative entries in D
+as the tangent has negative eigenvalues.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +11,12 @@ from dataclasses import dataclass
 from .. import _dolfinx as dx
 from ..mechanics import Shell
 
-_SAME = 2e-3  # change of the volume up to which a count is taken over
+_SAME = 2e-3  # relative change of the volume within which a count remains valid
 
 
 @dataclass(frozen=True)
 class StabilityState:
-    """Number of directions in which the potential fell, at a volume in µm³ and pressure in MPa."""
+    """The last count of negative modes, and the volume in µm³ and pressure in MPa of its state."""
 
     negative_modes: int = 0
     volume: float = 0.0
@@ -20,21 +24,15 @@ class StabilityState:
 
 
 class Stability:
-    """Counts the directions in which the potential of a shell falls; a context manager.
+    """Counts the negative modes of a shell: modes that reduce its potential; a context manager.
 
-    The shear force is a multiplier in the mixed potential: each of its unknowns gives the tangent
-    one negative eigenvalue. A state is stable if there are no more. Only axisymmetric
-    perturbations are seen.
-
-    Attributes
-    ----------
-    last
-        The last count.
+    The shear force is a multiplier in the mixed potential: each of its DOFs gives the tangent one
+    negative eigenvalue. The further ones are negative modes. Only axisymmetric ones are seen.
     """
 
     def __init__(self, shell: Shell) -> None:
         self._shell = shell
-        self.last = StabilityState()
+        self._last = StabilityState()
         self._matrix = dx.create_matrix(shell.forms.tangent)
         self._matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
         self._multipliers = dx.size_of_second(shell.space)
@@ -46,8 +44,8 @@ class Stability:
         if not serial:
             self._solver.setFactorSetUpSolverType()
             factors = self._solver.getFactorMatrix()
-            factors.setMumpsIcntl(13, 1)  # no part goes to ScaLAPACK, which counts no inertia
-            factors.setMumpsIcntl(24, 1)  # null pivots are told apart
+            factors.setMumpsIcntl(13, 1)  # without ScaLAPACK, which counts no inertia
+            factors.setMumpsIcntl(24, 1)  # detect null pivots
 
     def __enter__(self) -> Stability:
         return self
@@ -57,28 +55,26 @@ class Stability:
         self._matrix.destroy()
 
     def state(self) -> StabilityState:
-        return self.last
+        """Return the last count."""
+        return self._last
 
     def restore(self, state: StabilityState) -> None:
-        self.last = state
+        """Continue from a count."""
+        self._last = state
 
     def negative_modes(self) -> int:
-        """Number of independent directions in which the potential falls; 0 where stable.
+        """Return the number of negative modes; 0 if the trial state is stable.
 
-        It is counted anew where the volume has moved since the last count, or the pressure:
-        towards a limit point of an inflated wall the volume moves ever faster.
+        They are counted again if the volume has changed since the last count, or the pressure:
+        towards a limit point of an inflated wall the volume changes ever faster.
         """
-        volume, pressure = self._shell.volume(), float(self._shell.pressure.value)
-        if not self._near(volume, pressure):
-            self.last = StabilityState(self._count(), volume, pressure)
-        return self.last.negative_modes
-
-    def _near(self, volume: float, pressure: float) -> bool:
-        """Whether the last count was in a state that looks the same from here."""
-        if self._shell.force is not None or pressure <= 0:
-            return False  # a force, or a pressure from outside, may fold the wall at its volume
-        moved = abs(volume - self.last.volume)
-        return moved < _SAME * self.last.volume and pressure == self.last.pressure
+        shell, last = self._shell, self._last
+        volume, pressure = shell.volume(), float(shell.pressure.value)
+        near = abs(volume - last.volume) < _SAME * last.volume and pressure == last.pressure
+        # A force or external pressure may buckle the wall at the same volume.
+        if not near or pressure <= 0 or shell.force is not None:
+            self._last = StabilityState(self._count(), volume, pressure)
+        return self._last.negative_modes
 
     def _count(self) -> int:
         dx.assemble_matrix(self._matrix, self._shell.forms.tangent, self._shell.conditions)

@@ -3,8 +3,6 @@
 Cases run side by side in processes or on MPI ranks, each into a directory of its own.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from .cases import Case, parse_variation, plan, value_label
@@ -13,11 +11,13 @@ from .table import TABLE, CaseRow
 
 if TYPE_CHECKING:
     from .error_bars import estimate_error_bars
+    from .figure import draw_sweep
 
 __all__ = [
     "TABLE",
     "Case",
     "CaseRow",
+    "draw_sweep",
     "estimate_error_bars",
     "parse_variation",
     "plan",
@@ -25,8 +25,8 @@ __all__ = [
     "value_label",
 ]
 
-# What loads dolfinx, by the module that holds it.
-_LATE = {"estimate_error_bars": "error_bars"}
+# Names whose modules load dolfinx or figures.
+_LATE = {"draw_sweep": "figure", "estimate_error_bars": "error_bars"}
 
 
 def __getattr__(name: str) -> Any:

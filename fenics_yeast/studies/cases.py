@@ -1,6 +1,4 @@
-"""Which cases a sweep takes in: the product of lists of values, each case a validated scene."""
-
-from __future__ import annotations
+"""Cases of a sweep: the product of lists of values, each case a validated scene."""
 
 import re
 from collections.abc import Sequence
@@ -13,14 +11,14 @@ from pydantic import BaseModel
 from ..scene import Scene, SceneError, parse_value, value_of, value_text
 
 _MOST_VALUES = 100_000
-_DIGITS = 12  # that a value of a range keeps: 1.1 rather than 1.0999999999999999
+_DIGITS = 12  # of a value in a range: 1.1 rather than 1.0999999999999999
 _PIECES = re.compile(r"\[[^]]*\]|\{[^}]*\}|\"[^\"]*\"|'[^']*'|.", re.DOTALL)
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(.*)")
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A key of the scene that a sweep varies, as ``growth.time``, and the values it is given."""
+    """A varied key of the scene, such as ``growth.time``, and its values."""
 
     key: str
     values: tuple[object, ...]
@@ -33,10 +31,9 @@ class Case:
     Attributes
     ----------
     name
-        Name of its folder, made of its values.
+        Name of its directory, made of its values.
     values
-        What the scene holds at each of the varied keys: numbers in µm, MPa, min and degrees,
-        texts for all else.
+        Values of the varied keys: numbers in µm, MPa, min and degrees, otherwise strings.
     scene
         What to run.
     """
@@ -57,8 +54,8 @@ def parse_variation(text: str) -> Parameter:
     key, _, listed = (part.strip() for part in text.partition("="))
     entries = _split(listed, ",")
     if not key or not all(entries):
-        wanted = "write TABLE.KEY=V1,V2,... or TABLE.KEY=A:B:N, e.g. growth.time=30,45,60"
-        raise SceneError(f"{value_text(text)}: {wanted}")
+        advice = "write TABLE.KEY=V1,V2,... or TABLE.KEY=A:B:N, e.g. growth.time=30,45,60"
+        raise SceneError(f"{value_text(text)}: {advice}")
     values: list[object] = []
     for entry in entries:
         ends = _split(entry, ":")
@@ -67,16 +64,16 @@ def parse_variation(text: str) -> Parameter:
 
 
 def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
-    """Every combination of the parameters' values, each once, the last one changing fastest.
+    """Return all unique combinations of parameter values, the last parameter varying fastest.
 
     Raises
     ------
     SceneError
-        If a parameter is given twice, or a combination is no valid scene.
+        If a parameter is given twice, or a combination is not a valid scene.
     """
     keys = [parameter.key for parameter in parameters]
     if twice := [key for key in keys if keys.count(key) > 1]:
-        raise SceneError(f"--vary {twice[0]} is given twice; list all of its values in one")
+        raise SceneError(f"--vary {twice[0]} is given twice; list all its values in one option")
     cases: dict[Scene, Case] = {}
     names: set[str] = set()
     for values in product(*(parameter.values for parameter in parameters)):
@@ -84,8 +81,8 @@ def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
         if changed in cases:  # "1 MPa" and 1.0
             continue
         held = tuple(_plain(value_of(changed, key)) for key in keys)
-        name = _folder(keys, held)
-        while name in names:  # long values that differ at their ends
+        name = _directory(keys, held)
+        while name in names:  # long values may differ only at their ends
             name += "+"
         names.add(name)
         cases[changed] = Case(name, held, changed)
@@ -93,12 +90,12 @@ def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
 
 
 def value_label(value: float | str) -> str:
-    """Write a parameter's value for people: at most six digits."""
+    """Return a parameter's value as a label of at most six digits."""
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
 def _split(text: str, mark: str) -> list[str]:
-    """Split at a mark that stands outside of brackets and quotes."""
+    """Split at a mark outside brackets and quotes."""
     parts = [""]
     for piece in _PIECES.findall(text):
         if piece == mark:
@@ -109,12 +106,12 @@ def _split(text: str, mark: str) -> list[str]:
 
 
 def _range(text: str, parts: Sequence[str]) -> list[object]:
-    """Values of ``A:B:N``, equally spaced, with the unit of the ends."""
+    """Return the values of ``A:B:N``, equally spaced, with the unit of the ends."""
     ends = [_NUMBER.fullmatch(part) for part in parts[:2]]
     count = parts[2] if len(parts) == 3 else ""
     if None in ends or not count.isdecimal() or not 2 <= int(count) <= _MOST_VALUES:
-        wanted = f"a range is A:B:N, with N from 2 to {_MOST_VALUES}, e.g. 0.9:1.1:5"
-        raise SceneError(f"--vary {text}: {wanted}")
+        advice = f"write a range as A:B:N with N from 2 to {_MOST_VALUES}, e.g. 0.9:1.1:5"
+        raise SceneError(f"--vary {text}: {advice}")
     units = {end[2].strip() for end in ends if end} - {""}
     if len(units) > 1:
         raise SceneError(f"--vary {text}: write both ends of the range in one unit")
@@ -128,14 +125,14 @@ def _range(text: str, parts: Sequence[str]) -> list[object]:
 
 
 def _plain(value: object) -> float | str:
-    """A value as a number or a text."""
+    """Return a value as a number or string."""
     if isinstance(value, float | int) and not isinstance(value, bool):
         return value
     return value if isinstance(value, str) else _text(value)
 
 
 def _text(value: object) -> str:
-    """Write a value that is neither number nor text in a line."""
+    """Return any other value as a string."""
     if isinstance(value, BaseModel):
         value = value.model_dump(exclude_none=True)
     if isinstance(value, dict):
@@ -145,8 +142,8 @@ def _text(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _folder(keys: Sequence[str], values: Sequence[float | str]) -> str:
-    """Name of a folder that shows the values, in letters that every file system takes."""
+def _directory(keys: Sequence[str], values: Sequence[float | str]) -> str:
+    """Return a directory name that shows the values, valid in every file system."""
     parts = (
         f"{key}={value if isinstance(value, str) else format(value, f'.{_DIGITS}g')}"
         for key, value in zip(keys, values, strict=True)

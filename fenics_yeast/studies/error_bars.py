@@ -1,11 +1,9 @@
-"""Error bars of V/V0: a scene is run again with one thing refined at a time.
+"""Error bars of V/V0 by reruns with one part of the numerics refined at a time.
 
-The difference that a refinement makes is scaled to the whole error of what was refined: an error
-that falls as `n^-p` is `1 / (1 - (n / m)^p)` times the difference between n and m. The parts are
-added by their size, so that they cannot cancel.
+The difference between two runs is extrapolated to the whole error (Richardson): an error that falls
+as `n^-p` is `1 / (1 - (n / m)^p)` times the difference between n and m. Absolute values of the
+parts are added, so that they cannot cancel.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,35 +11,24 @@ from math import ceil, isinf
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry import Array
 from ..scene import Scene
 from ..simulation import ErrorBars, Observer, Result, simulate
 from ..solve import TABLEAUX
 
-Array = NDArray[np.float64]
 Part = Literal["time_steps", "mesh", "thickness_points", "shear_penalty"]
 
 _FINER_MESH, _FINER_WALL = 1.5, 1.6
 _MOST_ELEMENTS, _MOST_POINTS = 100_000, 16  # that a scene may have
-_UNREACHED = "no error bars: the run has reached none of its saved times"
-_PATH = "no error bars: a path has no times to be compared at"
+_UNREACHED = "no error bars: the run reached none of its saved times"
+_PATH = "no error bars: an equilibrium path has no saved times"
 _WALL_ORDER = 2  # measured: the growth rate has a kink where stress passes the threshold
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """A change of the numerics, and what its difference says about the error.
-
-    Attributes
-    ----------
-    part
-        What is refined.
-    changes
-        Values for `Scene.with_values`.
-    scale
-        Error of the scene's own run over the difference of the two runs.
-    """
+    """A refined part, its values for `Scene.with_values`, and error over difference of runs."""
 
     part: Part
     changes: Mapping[str, object]
@@ -56,22 +43,20 @@ def estimate_error_bars(
     observer: Observer | None = None,
     comm: Any = None,
 ) -> ErrorBars:
-    """Run a scene again, refined in one thing at a time, and compare V/V0 at the saved times.
-
-    Every rank of the communicator calls this and gets the bars.
+    """Estimate the errors of V/V0 at the saved times by refined reruns; collective.
 
     Parameters
     ----------
     scene
         What was run.
     result
-        What came out.
+        Its result.
     announce
-        Is told of each part before its run.
+        Called with each part before its run.
     observer
-        Is told of the steps of all these runs, and may interrupt them.
+        Observer of all reruns, which may interrupt them.
     comm
-        MPI communicator whose ranks share the wall; all ranks of the world if left out.
+        MPI communicator whose ranks share the wall; by default all ranks of the world.
 
     Raises
     ------
@@ -96,7 +81,7 @@ def estimate_error_bars(
 
 
 def refinements(scene: Scene) -> list[Refinement]:
-    """What to refine in a scene, one thing at a time; nothing that has no error."""
+    """Return the refinements of a scene, for each part that has an error."""
     numerics = scene.numerics
     finer = [_finer_mesh(scene), _finer_wall(scene)]
     if scene.growth is not None:
@@ -109,13 +94,13 @@ def refinements(scene: Scene) -> list[Refinement]:
 
 
 def _finer_time(scene: Scene) -> Refinement:
-    """Half the step; or a tenth of the tolerance, on the same cells."""
+    """Halve the step, or take a tenth of the tolerance on the same elements."""
     numerics = scene.numerics
     tableau = TABLEAUX[numerics.integrator]
     if numerics.step is not None:
         changes: dict[str, object] = {"numerics.step": numerics.step / 2}
         return Refinement("time_steps", changes, _scale(1, 2, tableau.order))
-    # The estimate that is held to the tolerance falls with another power than the error.
+    # The estimate, which the tolerance bounds, falls with another power than the error.
     changes = {
         "numerics.tolerance": numerics.tolerance / 10,
         "numerics.elements": numerics.elements,
@@ -139,27 +124,27 @@ def _finer_wall(scene: Scene) -> Refinement:
 
 
 def _refined(n: int, ratio: float, most: int) -> int:
-    """A larger number by about a ratio; where that is too many, a smaller one tells as much."""
+    """Return a number larger by about a ratio or, beyond the most allowed, smaller by it."""
     more = max(n + 2, ceil(ratio * n))
     return more if more <= most else round(n / ratio)
 
 
 def _scale(n: float, m: float, order: float = 1) -> float:
-    """Error at n over the difference between n and m, for an error that falls as ``n^-order``."""
+    """Return error at n over difference between n and m, for an error ``~ n^-order``."""
     return 1 / abs(1 - (n / m) ** order)
 
 
 def _reached(scene: Scene, result: Result) -> list[float]:
-    """Saved times that a run has reached."""
+    """Return the saved times that a run reached."""
     if scene.path is not None:
         return []
-    wanted = (0.0,) if scene.run is None else scene.run.save
+    saved = (0.0,) if scene.run is None else scene.run.save
     reached = result.end_time if len(result.history) else -1.0
-    return [time for time in wanted if time <= reached]
+    return [time for time in saved if time <= reached]
 
 
 def _until(scene: Scene, times: Sequence[float]) -> Scene:
-    """The scene, no longer than to the last of some saved times."""
+    """Return the scene with its run ending at the last of some saved times."""
     if scene.run is None:
         return scene
     end = max(times) or scene.run.end
@@ -167,7 +152,7 @@ def _until(scene: Scene, times: Sequence[float]) -> Scene:
 
 
 def _volumes(result: Result, times: Sequence[float]) -> Array:
-    """V/V0 at some times; not a number at those that the run has not reached."""
+    """Return V/V0 at some times; not a number where the run did not reach them."""
     reached = [time for time in times if len(result.history) and time <= result.end_time]
     values = [result.history.at(time).volume_ratio for time in reached]
     return np.array(values + [np.nan] * (len(times) - len(reached)))

@@ -1,11 +1,9 @@
-"""Runs the cases of a sweep side by side: in processes of this machine, or on the ranks of MPI.
+"""Run the cases of a sweep in parallel: in processes of this machine, or on MPI ranks.
 
-A case runs alone in its process, into a folder of its own. What ends a case ends no other one:
-neither a solver that gives up, nor a process that is killed. Running cases are stopped between
-two accepted steps, never half-way through compiling or writing.
+Each case runs in its own process and directory, so that neither a failed solver nor a killed
+process ends other cases. Running cases stop between two accepted steps, never while compiling or
+writing.
 """
-
-from __future__ import annotations
 
 import os
 import signal
@@ -20,28 +18,28 @@ from pathlib import Path
 from threading import Event, Lock, Thread
 from typing import Any, Protocol
 
-from ..output import SIGNALS, DolfinxMissing, OutputError, RunLost, run_into, writing
+from ..output import SIGNALS, DolfinxMissing, Job, OutputError, RunLost, writing
 from ..scene import SceneError
-from ..simulation import Result
+from ..simulation import Result, on_root
 from .cases import Case
 from .table import TABLE, CaseRow, finished_row, read_table, row_of, was_cut_short, write_table
 
-# A process that runs cases has one of each.
-_STOP = Event()  # its case ends with the step that it is at
+# One of each per worker process.
+_STOP = Event()  # its case ends after the current step
 _BUSY = Lock()  # held while it runs a case
 
-_KILLED = "its process was killed; the machine may have too little memory for so many at once"
-_Ended = Iterator[tuple[Case, str]]  # a case that has ended, and what its folder cannot tell
+_KILLED = "its process was killed; if memory is short, use fewer --jobs"
+_Ended = Iterator[tuple[Case, str]]  # a case that has ended, and a message that its directory lacks
 
 
 class SweepScreen(Protocol):
-    """Somebody who is told of a sweep as it goes."""
+    """Interface notified of the progress of a sweep."""
 
     def begun(self, cases: int, skipped: Sequence[CaseRow]) -> None:
-        """Take note of how many cases there are, and which of them were finished before."""
+        """Receive the number of cases, and those finished before."""
 
     def ended(self, row: CaseRow) -> None:
-        """Take note of a case that has ended."""
+        """Receive the row of a case that has ended."""
 
 
 def run_sweep(
@@ -53,49 +51,42 @@ def run_sweep(
     comm: Any = None,
     screen: SweepScreen | None = None,
 ) -> list[CaseRow]:
-    """Run the cases that are not finished, each into its folder; write the table as they end.
+    """Run the unfinished cases, each into its directory; update the table when one ends.
 
-    Without a communicator the cases run in new processes, which load the main module as
-    `multiprocessing` does: in a script this call belongs below ``if __name__ == "__main__"``.
+    Without a communicator, the cases run in new processes, which import the main module: in a
+    script, put this call below ``if __name__ == "__main__"``.
 
     Parameters
     ----------
     directory
-        The folder of the sweep, made where missing.
+        The directory of the sweep, created if missing.
     keys, cases
-        What is varied, and the cases; see `sweep.plan`.
+        The varied keys, and the cases; see `plan`.
     jobs
         Number of processes.
     comm
-        MPI communicator over whose ranks the cases are spread, in place of processes. Every rank
-        calls this.
+        MPI communicator whose ranks share the cases instead of processes; all ranks must call.
     screen
-        Is told of each case; on rank 0 alone.
+        Notified of each case, on rank 0 only.
 
     Returns
     -------
     list of CaseRow
-        A row for each case, in their order; under MPI on rank 0 alone.
+        A row for each case, in their order; under MPI only on rank 0.
 
     Raises
     ------
     DolfinxMissing
         If dolfinx cannot be loaded.
     OutputError
-        If the folder cannot be written, or holds a table that no sweep has left.
+        If the directory cannot be written, or its table is not from a sweep.
     KeyboardInterrupt
         If the sweep is interrupted, once the running cases have stopped.
     """
-    problem = None
-    if comm is None or comm.rank == 0:
-        try:
-            _claim(directory)
-        except OutputError as error:
-            problem = str(error)
-    if comm is not None:
-        problem = comm.bcast(problem)
-    if problem is not None:
-        raise OutputError(problem)
+    if comm is None:
+        _claim(directory)
+    else:
+        on_root(comm, lambda: _claim(directory), OutputError)
     if comm is not None and comm.rank > 0:
         _serve(comm)
         return []
@@ -115,7 +106,7 @@ def run_sweep(
 
 
 def _claim(directory: Path) -> None:
-    """Make the folder; one that holds a table of somebody else is refused."""
+    """Create the directory; refuse one whose table is not from a sweep."""
     with writing(directory):
         directory.mkdir(parents=True, exist_ok=True)
     if (directory / TABLE).exists():
@@ -127,7 +118,7 @@ def _in_order(cases: Sequence[Case], rows: dict[str, CaseRow]) -> list[CaseRow]:
 
 
 def _row(directory: Path, case: Case, message: str) -> CaseRow:
-    """Row of a case that has ended; failed where its folder does not tell how."""
+    """Return the row of a case that has ended; failed if its directory does not say how."""
     try:
         row = None if message else row_of(directory, case)
     except (OutputError, SceneError) as error:
@@ -140,7 +131,7 @@ def _row(directory: Path, case: Case, message: str) -> CaseRow:
 
 
 class _UntilStopped:
-    """A screen that shows nothing and ends its run where that is asked for."""
+    """A screen that shows nothing and ends its run on request."""
 
     def __enter__(self) -> None:
         return
@@ -166,12 +157,15 @@ class _UntilStopped:
 
 
 def _work(directory: Path, case: Case) -> str:
-    """Run a case, on from where it was interrupted; give what its folder cannot tell."""
+    """Run or resume a case; return a message that its directory lacks."""
     from mpi4py import MPI
 
     def run(resume: bool) -> Result:
         place, screen, alone = directory / case.name, _UntilStopped(), MPI.COMM_SELF
-        return run_into(place, case.scene, screen=screen, comm=alone, resume=resume)
+        with Job(place, case.scene, screen=screen, comm=alone, resume=resume) as job:
+            result = job.run()
+            job.complete(result)
+            return result
 
     with _BUSY:
         try:
@@ -184,15 +178,15 @@ def _work(directory: Path, case: Case) -> str:
         except RunLost as error:
             return error.problem
         if result.status == "interrupted" and not _STOP.is_set():
-            raise KeyboardInterrupt  # that was meant for the whole sweep
+            raise KeyboardInterrupt  # it was meant for the whole sweep
     return ""
 
 
 def _begin(parent: Connection) -> None:
-    """Make a new process ready: it ends its case when asked to, or when nobody is left to ask."""
+    """Prepare a new process: it ends its case on request, or when its parent has gone."""
 
     def watch() -> None:
-        parent.poll(None)  # nothing is sent: the other end is closed, or gone with its process
+        parent.poll(None)  # nothing is sent; the other end closes, also when its process dies
         _STOP.set()
         process = parent_process()
         if process is not None:
@@ -210,7 +204,7 @@ def _begin(parent: Connection) -> None:
 
 
 def _in_processes(directory: Path, cases: Sequence[Case], jobs: int) -> _Ended:
-    """Cases as they end. Those that were under way when a process died run again, one by one."""
+    """Yield cases as they end. Those running when a process dies are rerun one by one."""
     waiting, suspects = deque(cases), deque[Case]()
     while waiting or suspects:
         batch, width = (suspects, 1) if suspects else (waiting, min(jobs, len(waiting)))
@@ -232,7 +226,7 @@ def _in_processes(directory: Path, cases: Sequence[Case], jobs: int) -> _Ended:
 
 @contextmanager
 def _processes(width: int) -> Iterator[ProcessPoolExecutor]:
-    """Pool of processes; left early, it stops their cases and waits for them."""
+    """Yield a pool of processes; if left early, stop their cases and wait for them."""
     context = get_context("spawn")
     theirs, ours = context.Pipe(duplex=False)
     pool = ProcessPoolExecutor(width, context, initializer=_begin, initargs=(theirs,))
@@ -242,7 +236,7 @@ def _processes(width: int) -> Iterator[ProcessPoolExecutor]:
         try:
             ours.close()
             pool.shutdown(cancel_futures=True)
-        except KeyboardInterrupt:  # once more: somebody is in a hurry
+        except KeyboardInterrupt:  # a second Ctrl-C: do not wait
             for process in active_children():
                 process.kill()
             raise
@@ -251,9 +245,7 @@ def _processes(width: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _submit(pool: ProcessPoolExecutor, directory: Path, case: Case) -> Future[str]:
-    """Hand a case to the pool. The processes that this starts never hear Ctrl-C, nor does the
-    compiler below them: a terminal sends it to all.
-    """
+    """Submit a case; new processes, and compilers below them, ignore the terminal's Ctrl-C."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         return pool.submit(_work, directory, case)
@@ -274,7 +266,7 @@ def _message(future: Future[str]) -> str:
 
 
 def _serve(comm: Any) -> None:
-    """Run the cases that rank 0 hands out, until it has no more."""
+    """Run the cases that rank 0 sends, until it has no more."""
     for number in SIGNALS:
         signal.signal(number, lambda *_: _STOP.set())
     with _executor(comm):
@@ -282,7 +274,7 @@ def _serve(comm: Any) -> None:
 
 
 def _on_ranks(directory: Path, cases: Sequence[Case], comm: Any) -> _Ended:
-    """Cases as they end, one at a time on each rank; rank 0 takes from the end of the list."""
+    """Yield cases as they end, one per rank at a time; rank 0 takes from the end of the list."""
     with _executor(comm) as executor:
         waiting: dict[Future[str], Case] = {
             executor.submit(_work, directory, case): case for case in cases
@@ -304,11 +296,11 @@ def _on_ranks(directory: Path, cases: Sequence[Case], comm: Any) -> _Ended:
 
 
 def _executor(comm: Any) -> Any:
-    """Executor on rank 0 of a communicator, whose context on the others serves it."""
+    """Return an executor on rank 0; on other ranks, its context runs what it submits."""
     import petsc4py
     from mpi4py import MPI
     from mpi4py.futures import MPICommExecutor
 
-    # On all ranks PETSc would wait for all of them wherever one of them first needs it.
+    # Otherwise PETSc would wait for all ranks whenever one of them first needs it.
     petsc4py.init(["-no_signal_handler"], comm=MPI.COMM_SELF)
     return MPICommExecutor(comm, root=0)

@@ -1,4 +1,4 @@
-"""The figure of a sweep: volume curves of one parameter, or a map of the volume over two."""
+"""The figure of a sweep: volume curves over one parameter, or a map over two."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..figures import COLOURS, Curve, figure_of, pressures, volumes
+from ..figures import COLOURS, LOST, Curve, figure_of, pressures, volumes
 from ..output import read_history, read_scene
 from ..scene import unit_symbol
 from .cases import value_label
@@ -17,22 +17,19 @@ from .table import CaseRow, read_table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FIGURE = "sweep.png"  # within the folder of the sweep
-_MOST_LABELS = 12  # cells along an axis whose volumes are written into them
+FIGURE = "sweep.png"  # in the directory of the sweep
+_MOST_LABELS = 12  # fields of the map along an axis, whose volumes are written into them
 
 
-def draw(directory: Path, suffix: str = ".png") -> list[Path]:
-    """Draw the figure of a sweep's folder, finished or still going.
+def draw_sweep(directory: Path, suffix: str = ".png") -> list[Path]:
+    """Draw the figure of a sweep, finished or in progress; return the files written.
 
-    Returns
-    -------
-    list of Path
-        What has been drawn: nothing where no case has an answer, or of more than two parameters.
+    Nothing is drawn for more than two parameters, or before a case has a result.
 
     Raises
     ------
     OutputError
-        If the folder holds no sweep, or a file of it is damaged.
+        If the directory is not that of a sweep, or a file is damaged.
     """
     keys, rows = read_table(directory)
     rows = [row for row in rows if row.end_ratio is not None]
@@ -72,10 +69,7 @@ def _draw_line(path: Path, label: str, rows: Sequence[CaseRow], title: str) -> N
 
 
 def _draw_map(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title: str) -> None:
-    """Draw V/V0 at the last time that all who live that long have saved, a cell for each case.
-
-    Where equilibrium was lost before, the cell says when.
-    """
+    """Draw a map of V/V0 at the last saved time, or of when equilibrium was lost before."""
     across, up = (list(dict.fromkeys(row.values[i] for row in rows)) for i in range(2))
     time = max((t for row in rows for t, _ in row.ratios), default=None)
     ratios = np.full((len(up), len(across)), np.nan)
@@ -101,7 +95,7 @@ def _draw_map(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title:
         axes.set_title(title)
         axes.spines[:].set_visible(False)
         axes.tick_params(length=0)
-        _write_cells(axes, rows, across, up, ratios)
+        _write_numbers(axes, rows, across, up, ratios)
         if not np.isnan(ratios).all():
             when = "" if time is None else f" at {time:g} min"
             bar = figure.colorbar(
@@ -111,27 +105,27 @@ def _draw_map(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title:
 
 
 def _ticks(values: Sequence[float | str]) -> tuple[list[int], list[str]]:
-    """Places and labels of at most some twelve cells."""
+    """Return places and labels of about twelve ticks."""
     every = -(-len(values) // _MOST_LABELS)
     places = list(range(0, len(values), every))
     return places, [value_label(values[i]) for i in places]
 
 
-def _write_cells(
+def _write_numbers(
     axes: Axes,
     rows: Sequence[CaseRow],
     across: Sequence[float | str],
     up: Sequence[float | str],
     ratios: np.ndarray,
 ) -> None:
-    """Write volumes into the cells, and where equilibrium is lost, when."""
+    """Write volumes into the map, or when equilibrium was lost."""
     crowded = max(len(across), len(up)) > _MOST_LABELS
     middle = np.nanmean([np.nanmin(ratios), np.nanmax(ratios)]) if (~np.isnan(ratios)).any() else 0
     for row in rows:
         x, y = across.index(row.values[0]), up.index(row.values[1])
         at, colour = ratios[y, x], "black"
         if np.isnan(at):
-            lost = row.status == "no-equilibrium" and row.end_time is not None
+            lost = row.status in LOST and row.end_time is not None
             text = "×" if crowded or not lost else f"lost at\n{row.end_time:.1f} min"
         else:
             text = "" if crowded else f"{at:.3f}"

@@ -1,6 +1,4 @@
-"""The table of a sweep: what came out of each case, read from the cases' folders."""
-
-from __future__ import annotations
+"""The table of a sweep: the result of each case, read from its directory."""
 
 import csv
 from collections.abc import Iterable, Sequence
@@ -9,32 +7,29 @@ from io import StringIO
 from pathlib import Path
 from typing import get_args
 
-from ..output import OutputError, read_ending, read_history, read_scene, replace_file, writing
+from ..output import OutputError, read_history, read_scene, read_summary, replace_file, writing
 from ..scene import SceneError
-from ..simulation import Status
+from ..simulation import ANSWERS, Status
 from .cases import Case
 
-TABLE = "sweep.csv"  # within the folder of the sweep
-_ANSWERS: tuple[Status, ...] = ("finished", "no-equilibrium")
+TABLE = "sweep.csv"  # in the directory of the sweep
 _RATIO = ("volume_ratio_at_", "_min")
 
 
 @dataclass(frozen=True)
 class CaseRow:
-    """What came out of a case.
+    """Result of a case.
 
     Attributes
     ----------
-    case
-        Name of its folder.
-    values
-        Its parameters, as in `sweep.Case`.
+    case, values
+        Its name and parameter values, as in `Case`.
     status, message
-        How it ended, and that in a sentence.
+        How it ended: a status word and a sentence.
     end_time, end_ratio
-        Time in min and V/V0 of its last accepted state; None where there is none.
+        Time in min and V/V0 of its last accepted state, or None.
     ratios
-        V/V0 by saved time in min, for the times that were reached.
+        Pairs of a saved time in min that it reached and V/V0 there.
     wall_s
         Seconds that it took.
     """
@@ -50,63 +45,63 @@ class CaseRow:
 
     @property
     def answered(self) -> bool:
-        """Whether the case has come to its end, and need not be run again."""
-        return self.status in _ANSWERS
+        """Whether the case has a result and need not be rerun."""
+        return self.status in ANSWERS
 
 
 def row_of(directory: Path, case: Case) -> CaseRow | None:
-    """What the case's folder says of it; None where this very scene has not been run to an end.
+    """Return the result of a case from its directory; None if its scene has not ended there.
 
     Raises
     ------
     OutputError, SceneError
-        If a file of the folder is damaged.
+        If a file of the directory is damaged.
     """
     folder = directory / case.name
     if not folder.exists() or read_scene(folder) != case.scene:
         return None
-    ending = read_ending(folder)
-    if ending is None:
+    summary = read_summary(folder)
+    if summary is None:
         return None
     history = read_history(folder)
     last = history.rows[-1] if len(history) else None
-    wanted = case.scene.run.save if case.scene.run else ()
-    reached = [time for time in wanted if last and time <= last.time_min]
+    saved = case.scene.run.save if case.scene.run else ()
+    reached = [time for time in saved if last and time <= last.time_min]
     return CaseRow(
         case=case.name,
         values=case.values,
-        status=ending.status,
-        message=ending.message,
+        status=summary.status,
+        message=summary.message,
         end_time=last.time_min if last else None,
         end_ratio=last.volume_ratio if last else None,
         ratios=tuple((time, history.at(time).volume_ratio) for time in reached),
-        wall_s=ending.total_s,
+        wall_s=summary.timings.total_s,
     )
 
 
 def finished_row(directory: Path, case: Case) -> CaseRow | None:
-    """Row of a case that need not be run again; None for any other."""
+    """Return the row of a case that need not be rerun; None for any other."""
     try:
         row = row_of(directory, case)
     except (OutputError, SceneError):
-        return None  # not whole: run again
+        return None  # damaged: rerun
     return row if row is not None and row.answered else None
 
 
 def was_cut_short(directory: Path, case: Case) -> bool:
-    """Whether the case's folder holds a run of this very scene that has come to no end."""
+    """Return whether the case's directory has an unfinished run of its scene."""
     folder = directory / case.name
     try:
-        ending = read_ending(folder)
+        summary = read_summary(folder)
         return read_scene(folder) == case.scene and (
-            ending is None or ending.status not in _ANSWERS
+            summary is None or summary.status not in ANSWERS
         )
     except (OutputError, SceneError):
         return False
 
 
 def write_table(directory: Path, keys: Sequence[str], rows: Iterable[CaseRow]) -> None:
-    """Write the table in place of an earlier one, as one file at once.
+    """Write the table; it replaces an earlier one as a whole.
 
     Raises
     ------
@@ -134,12 +129,12 @@ _LAST = ("end_volume_ratio", "wall_s", "message")
 
 
 def read_table(directory: Path) -> tuple[list[str], list[CaseRow]]:
-    """Keys of the parameters, and the rows, of a table that a sweep has left.
+    """Read the parameters' keys and the rows of a sweep's table.
 
     Raises
     ------
     OutputError
-        If there is none, or it is none of ours.
+        If there is none, or it is not from a sweep.
     """
     path = directory / TABLE
     try:
@@ -149,10 +144,10 @@ def read_table(directory: Path) -> tuple[list[str], list[CaseRow]]:
             raise ValueError
         rows = [_read(dict(zip(header, line, strict=True)), header[1:split]) for line in lines]
     except OSError:
-        problem = f"{directory}: holds no {TABLE}; the folder of a sweep is wanted"
+        problem = f"{directory}: no {TABLE}; not the directory of a sweep"
         raise OutputError(problem) from None
     except (ValueError, KeyError, UnicodeDecodeError):
-        problem = f"{path}: no table that a sweep has left; choose another folder"
+        problem = f"{path}: not the table of a sweep; choose another directory"
         raise OutputError(problem) from None
     return header[1:split], rows
 

@@ -1,4 +1,4 @@
-"""Orders of the elements, fitted to the errors of a wall that has grown by a given strain."""
+"""Orders of the elements, fitted to the errors of a wall with a given growth strain."""
 
 import numpy as np
 import pytest
@@ -7,6 +7,8 @@ from scipy.interpolate import CubicSpline
 from fenics_yeast import _dolfinx as dx
 from fenics_yeast.simulation import build_shell
 from fenics_yeast.solve.equilibrium import Equilibrium
+
+pytestmark = pytest.mark.slow
 
 TOLERANCE = 1e-11  # µN
 
@@ -20,7 +22,7 @@ def deformed(scene, order: int, elements: int, geometry: str = "curved"):
     }
     shell = build_shell(scene.with_values(values))
     shell.pressure.value = 0.20265
-    grown = 0.05 * (1 - np.cos(shell.quadrature_S[shell.growing_elements] / 2.5))
+    grown = 0.05 * (1 - np.cos(shell.growing_points.S / 2.5))
     grown = np.repeat(grown, 2 * len(shell.xi), axis=1)
     with Equilibrium(shell, TOLERANCE) as equilibrium:
         for part in (0.0, 0.25, 0.5, 0.75, 1.0):
@@ -33,7 +35,7 @@ def deformed(scene, order: int, elements: int, geometry: str = "curved"):
 
 @pytest.fixture(scope="module")
 def exact(sphere_scene):
-    """Fine solution of high order: its own error is far below those that are fitted."""
+    """Fine solution of high order, whose error is far below those that are fitted."""
     return deformed(sphere_scene, 3, 384)
 
 
@@ -60,14 +62,14 @@ def test_elements_have_their_order(sphere_scene, exact, order, elements):
 
 
 def test_conical_elements_are_of_second_order(sphere_scene):
-    """Towards a limit of their own, hence fitted to differences."""
+    """Fitted to differences, since their limit is another one."""
     elements = (24, 48, 96, 192)
     volumes = [deformed(sphere_scene, 1, n, "conical")[2] for n in elements]
     assert fitted_order(elements[1:], np.diff(volumes)) == pytest.approx(2, abs=0.05)
 
 
-def test_loaded_sphere_is_deformed(exact):
-    """Else the orders above would be those of a sphere."""
+def test_loaded_sphere_is_deformed_strongly(exact):
+    """Otherwise the orders above would be those of a sphere."""
     _, nodes, volume = exact
     assert volume > 1.2 * 4 / 3 * np.pi * 2.5**3
     assert nodes[:, 2].max() - nodes[:, 2].min() > 0.05

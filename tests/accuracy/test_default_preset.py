@@ -1,4 +1,4 @@
-"""What the default preset promises: its tolerance, its orders, its nodes, its rejected steps."""
+"""The default preset: its tolerance, orders, nodes and rejected steps."""
 
 import numpy as np
 import pytest
@@ -9,6 +9,8 @@ from fenics_yeast.simulation.discretise import discretise
 from fenics_yeast.solve.equilibrium import Equilibrium
 from fenics_yeast.solve.runge_kutta import TABLEAUX
 from fenics_yeast.solve.time_stepper import TimeStepper
+
+pytestmark = pytest.mark.slow
 
 BUDS = {
     "bud": {"run.save": (40.0, 70.0, 80.0, 90.0)},
@@ -43,8 +45,8 @@ def ratios(scene):
 
 
 @pytest.mark.parametrize("name", BUDS)
-def test_tolerance_is_met(cell_scene, name):
-    """Within a factor 3, against a much finer run of twice the cells."""
+def test_volume_error_is_within_three_times_the_tolerance(cell_scene, name):
+    """Within a factor 3, against a much finer run with twice the elements."""
     scene = cell_scene.with_values({"numerics.thickness_points": 3, **BUDS[name]})
     truth = ratios(scene.with_values({"numerics.tolerance": 1e-7, "numerics.elements": 64}))
     for tolerance in (1e-3, 1e-4, 1e-5, 1e-6):
@@ -54,7 +56,7 @@ def test_tolerance_is_met(cell_scene, name):
 
 @pytest.mark.parametrize(("name", "order"), [("backward-euler", 1), ("sdirk2", 2), ("sdirk3", 3)])
 def test_integrator_has_its_order_on_a_bud(cell_scene, name, order):
-    """Fitted to differences of V/V0 at 40 min, where growth has long left its fast start."""
+    """Fitted to differences of V/V0 at 40 min, long after the fast start of growth."""
     scene = cell_scene.with_values(
         {"numerics.thickness_points": 3, "numerics.integrator": name, "run.end": 40.0}
     )
@@ -89,23 +91,23 @@ def test_edge_of_the_zone_is_a_node(cell_scene, angle, pole, grading, geometry):
 
 
 @pytest.mark.parametrize("name", ["backward-euler", "sdirk2", "sdirk3"])
-def test_step_rejected_for_its_error_leaves_no_trace(cell_scene, name):
+def test_rejected_step_leaves_no_trace(cell_scene, name):
     scene = cell_scene.with_values({"numerics.thickness_points": 3})
     volumes = []
     for rejected in (True, False):
         shell = build_shell(scene)
         with Equilibrium(shell, 1e-9) as equilibrium:
-            evolution = TimeStepper(shell, equilibrium, TABLEAUX[name], lambda time: 0.20265)
-            evolution.load()
-            evolution.step(0.5)
-            before, state = shell.state(), evolution.accepted
+            stepper = TimeStepper(shell, equilibrium, TABLEAUX[name], lambda time: 0.20265)
+            stepper.load()
+            stepper.step(0.5)
+            before, state = shell.state(), stepper.accepted
             if rejected:
-                evolution.attempt(4.0)
+                stepper.attempt(4.0)
                 assert not np.array_equal(shell.w.x.array, before.w)
-                evolution.reject()
+                stepper.reject()
             assert np.array_equal(shell.w.x.array, before.w)
             assert np.array_equal(shell.growth.get(), before.eps_g)
-            assert evolution.accepted is state
-            evolution.step(1.0)
+            assert stepper.accepted is state
+            stepper.step(1.0)
             volumes.append(shell.volume())
     assert volumes[0] == pytest.approx(volumes[1], rel=1e-10)

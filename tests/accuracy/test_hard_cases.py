@@ -1,4 +1,4 @@
-"""The table of hard cases: each ends in its reference or in a reason that names the physics."""
+"""Hard cases: each ends in its reference value or in a message that names the physics."""
 
 import sys
 from pathlib import Path
@@ -8,23 +8,25 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2] / "demos"))
 import hard_cases as table
 
+pytestmark = pytest.mark.slow
+
 CASES = table.hard_cases()
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
-def test_hard_case(case) -> None:
+def test_hard_case_has_its_status_and_value(case) -> None:
     found = case.run()
     assert found.status == case.status, found.message
     assert found.value == pytest.approx(case.reference, rel=0, abs=case.tolerance)
     assert case.says in found.message
 
 
-def test_cases_are_many_and_of_different_names() -> None:
+def test_hard_cases_are_many_and_have_different_names() -> None:
     names = {case.name for case in CASES}
     assert len(names) == len(CASES) >= 40
 
 
-def test_thinner_walls_are_closer_to_the_membrane() -> None:
+def test_error_against_the_membrane_falls_with_the_square_of_the_thickness() -> None:
     """No locking: the error falls with the square of h/R."""
     errors = [
         abs(table.membrane_error(ratio)().value - table.inflated(table.P))

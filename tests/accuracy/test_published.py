@@ -1,4 +1,4 @@
-"""The benchmarks of `demos/published`: every row of their tables holds, and each draws."""
+"""The benchmarks of `demos/published`: every row of their tables holds, and each has a figure."""
 
 import importlib
 import sys
@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 PUBLISHED = Path(__file__).parents[2] / "demos" / "published"
 SHARED = {"benchmark", "solid"}
 NAMES = sorted({path.stem for path in PUBLISHED.glob("*.py")} - SHARED)
@@ -14,7 +16,7 @@ NAMES = sorted({path.stem for path in PUBLISHED.glob("*.py")} - SHARED)
 
 @pytest.fixture
 def published(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Scripts beside one another, as when one of them runs."""
+    """Import path of the scripts, as when one of them runs."""
     monkeypatch.syspath_prepend(str(PUBLISHED))
     yield
     for name in {*NAMES, *SHARED}:
@@ -22,10 +24,12 @@ def published(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_published_numbers(name: str, published: None, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_published_numbers_are_reproduced(
+    name: str, published: None, tmp_path: Path, monkeypatch, capsys
+) -> None:
     monkeypatch.chdir(tmp_path)
     script = importlib.import_module(name)
-    script.main()  # which asks for the rows
+    script.main()  # which checks the rows
     table = capsys.readouterr().out
     assert "published" in table and "outside" not in table, table
     assert len(table.splitlines()) >= 3

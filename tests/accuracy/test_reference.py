@@ -4,6 +4,8 @@ import pytest
 
 from fenics_yeast import simulate
 
+pytestmark = pytest.mark.slow
+
 TOLERANCE = 2e-4  # of V/V0; the codes agree to 2e-5, at 90 min to 5e-5
 
 
@@ -25,7 +27,7 @@ def test_converged_volumes_are_those_of_independent_codes(reference_run, case, t
         assert found == pytest.approx(wanted, abs=TOLERANCE), f"at {time:g} min"
 
 
-def test_paper_scheme_gives_the_volumes_of_the_same_scheme_elsewhere(reference_run):
+def test_paper_preset_gives_the_volumes_of_the_same_scheme_in_another_code(reference_run):
     """480 conical two-node elements, backward Euler, 0.2 min: not converged, but the same."""
     run = reference_run("paper preset", 3)
     assert run.result.status == "finished"
@@ -36,7 +38,7 @@ def test_paper_scheme_gives_the_volumes_of_the_same_scheme_elsewhere(reference_r
         assert found == pytest.approx(wanted, abs=TOLERANCE), f"at {time:g} min"
 
 
-def test_conical_elements_lack_a_part_of_the_bending_strain(cell_scene):
+def test_conical_elements_overestimate_the_bud_by_their_missing_bending_strain(cell_scene):
     """No mesh brings the term in Φ' back: the bud is larger by 0.0015 at 90 min."""
     volumes = {}
     for geometry in ("conical", "curved"):

@@ -10,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.command import COMMAND, FILES, TWO_SAVED, call, tree
+from support import ranks
+from support.command import FILES, TWO_SAVED, call, finish, start, tree
 from support.scenes import SMALL
 from typer.testing import Result
 
 from fenics_yeast import Scene, _form_cache
-from fenics_yeast.output.reading import read_history, read_profiles, read_status
+from fenics_yeast.output import read_history, read_profiles, read_summary
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -74,13 +75,11 @@ def test_a_static_scene_gives_one_row_and_one_shape(here: Path) -> None:
     assert len(read_history(folder)) == len(read_profiles(folder)) == 1
 
 
+@pytest.mark.process
 def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
     master, slave = pty.openpty()
-    environment = os.environ | {"TERM": "xterm", "COLUMNS": "100"}
-    environment.pop("OMPI_COMM_WORLD_SIZE", None)
-    process = subprocess.Popen(
-        [*COMMAND, "run", "small.toml"], stdin=slave, stdout=slave, stderr=slave, env=environment
-    )
+    environment = ranks.environment() | {"TERM": "xterm", "COLUMNS": "100"}
+    process = start("run", "small.toml", stdin=slave, stdout=slave, stderr=slave, env=environment)
     os.close(slave)
     shown = b""
     while True:
@@ -117,18 +116,19 @@ def test_plot_draws_what_is_there(here: Path) -> None:
     assert call("plot", "run").exit_code == 2
 
 
+@pytest.mark.process
 def test_a_service_has_no_home_in_its_environment(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Without one Open MPI 5 aborts."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(_form_cache.folder().parent.parent))
     monkeypatch.delenv("HOME")
-    command = [*COMMAND, "run", "small.toml", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = finish("run", "small.toml", "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert read_status(here / "out" / "small") == "finished"
+    assert read_summary(here / "out" / "small").status == "finished"
 
 
+@pytest.mark.process
 def test_an_unknown_user_without_a_home_runs_and_leaves_nothing(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -136,14 +136,13 @@ def test_an_unknown_user_without_a_home_runs_and_leaves_nothing(
     monkeypatch.delenv("HOME")
     (here / "temporary").mkdir()
     monkeypatch.setenv("TMPDIR", str(here / "temporary"))
-    code = "import pwd; pwd.getpwuid = {}.__getitem__\n"
-    code += "from fenics_yeast.command.main import main; main()"
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    before = "import pwd; pwd.getpwuid = {}.__getitem__"
+    done = finish("run", "small.toml", "--quiet", before=before)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert not list((here / "temporary").glob("fenics-yeast-*"))
 
 
+@pytest.mark.process
 def test_a_home_that_cannot_be_written_is_no_matter(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -152,7 +151,7 @@ def test_a_home_that_cannot_be_written_is_no_matter(
     monkeypatch.setenv("HOME", "/proc/nowhere")
     monkeypatch.delenv("MPLCONFIGDIR", raising=False)
     for arguments in (("run", "small.toml", "--quiet"), ("plot", "out/small")):
-        done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, timeout=60)
+        done = finish(*arguments)
         assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -199,14 +198,14 @@ def test_a_bad_scene_is_refused_in_a_line(
     [
         (("run", "nowhere.toml"), ("nowhere.toml", "no such file")),
         (("check", "nowhere.toml"), ("nowhere.toml", "no such file")),
-        (("run", "."), ("folder",)),
+        (("run", "."), ("Is a directory",)),
         (("run", "small.toml", "--set", "growth.time"), ("growth.time", "TABLE.KEY=VALUE")),
         (("run", "small.toml", "--set", "growth.tim=3"), ("growth.time",)),
         (("run", "small.toml", "--set", "growth.time=-3"), ("growth.time", "-3")),
         (("run", "small.toml", "--out", "small.toml"), ("small.toml", "is a file")),
         (("run", "small.toml", "--out", "small.toml/x"), ("small.toml/x", "is a file")),
         (("run", "small.toml", "--out", "/proc/x"), ("/proc/x", "cannot be written")),
-        (("plot", "nowhere"), ("nowhere", "holds no scene.toml")),
+        (("plot", "nowhere"), ("nowhere", "no scene.toml")),
     ],
 )
 def test_bad_arguments_are_refused_in_a_line(
@@ -218,7 +217,7 @@ def test_bad_arguments_are_refused_in_a_line(
 
 def test_the_scene_itself_is_not_overwritten(here: Path) -> None:
     (here / "scene.toml").write_text(SMALL)
-    refused(call("run", "scene.toml", "--out", "."), "holds a scene.toml that no run has left")
+    refused(call("run", "scene.toml", "--out", "."), "its scene.toml is not from a run")
     assert (here / "scene.toml").read_text() == SMALL
 
 
@@ -234,10 +233,11 @@ def test_wrong_usage_exits_2(here: Path, arguments: Sequence[str]) -> None:
 
 def test_check_says_that_a_scene_is_valid(here: Path) -> None:
     result = call("check", "small.toml")
-    assert (result.exit_code, result.stdout) == (0, "small.toml: a valid scene\n")
+    assert (result.exit_code, result.stdout) == (0, "small.toml: valid\n")
     assert tree(here) == {"small.toml"}
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("arguments", "heavy"),
     [

@@ -1,4 +1,4 @@
-"""How runs of the command end early: exit status, what is told, what is left."""
+"""How runs of the command end early: exit status, message, what is kept."""
 
 import json
 import shutil
@@ -11,18 +11,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.command import COMMAND, FILES, TWO_SAVED, call, hear, lines, tree, wait_for
+from support.command import (
+    COMMAND,
+    FILES,
+    TWO_SAVED,
+    call,
+    finish,
+    hear,
+    lines,
+    start,
+    tree,
+    wait_for,
+)
 
-from fenics_yeast.output.reading import read_history, read_profiles, read_status
+from fenics_yeast.output import read_history, read_profiles, read_summary
 from fenics_yeast.simulation import History, Profiles, Timings, simulation
 from fenics_yeast.simulation import Result as RunResult
-
-
-def start(*arguments: str) -> subprocess.Popen[str]:
-    """Start the command as a process of its own, which hears Ctrl-C even in the background."""
-    pipe = subprocess.PIPE
-    command = [*COMMAND, *arguments]
-    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=hear)
 
 
 def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
@@ -33,7 +37,7 @@ def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
     assert result.stdout.splitlines()[-1] == "no-equilibrium, see out/small"
     folder = here / "out" / "small"
     assert tree(folder) == TWO_SAVED
-    assert read_status(folder) == "no-equilibrium"
+    assert read_summary(folder).status == "no-equilibrium"
     history, profiles = read_history(folder), read_profiles(folder)
     assert [profile.time for profile in profiles] == [40, history.time_min[-1]]
     assert 70 < history.time_min[-1] < 80
@@ -52,12 +56,13 @@ def test_other_ends_have_their_exit_status(
     result = call("run", "small.toml", "--quiet")
     assert (result.exit_code, result.stdout) == (code, "")
     assert "the reason" in result.stderr and result.stderr.count("\n") == 1
-    assert read_status(here / "out" / "small") == status
+    assert read_summary(here / "out" / "small").status == status
 
 
 INTERRUPTS = [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("numbers", INTERRUPTS)
 def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers: list[int]) -> None:
     """Ctrl-C, the end of a batch job or of a connection; once more while figures are drawn."""
@@ -78,6 +83,7 @@ def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers:
     assert tree(folder) == FILES if len(numbers) == 1 else tree(folder) <= FILES
 
 
+@pytest.mark.process
 def test_under_nohup_the_end_of_a_connection_is_no_matter(here: Path) -> None:
     command = ["nohup", *COMMAND, "run", "small.toml", "--quiet", "--set", "numerics.step=0.02"]
     pipe = subprocess.PIPE
@@ -86,9 +92,10 @@ def test_under_nohup_the_end_of_a_connection_is_no_matter(here: Path) -> None:
     wait_for(lambda: lines(folder) > 10, process)
     process.send_signal(signal.SIGHUP)
     assert (*process.communicate(timeout=60), process.returncode) == (b"", b"", 0)
-    assert read_status(folder) == "finished"
+    assert read_summary(folder).status == "finished"
 
 
+@pytest.mark.process
 def test_a_script_ends_with_its_connection() -> None:
     """Which MPI's libraries would keep from it."""
     code = "from fenics_yeast import simulate; import os; os.kill(os.getpid(), 1); print('goes on')"
@@ -100,19 +107,19 @@ def test_a_script_ends_with_its_connection() -> None:
 
 def on_a_small_disk(size: int, *options: str) -> subprocess.CompletedProcess[str]:
     """Run the scene where no file may be larger than so many bytes."""
-    code = (
-        "import resource; from mpi4py import MPI; from fenics_yeast.command.main import main\n"
-        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); main()"
+    before = (
+        "import resource; from mpi4py import MPI; import fenics_yeast.command.main\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
     )
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *options]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return finish("run", "small.toml", "--quiet", *options, before=before)
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("size", "status", "advice"),
     [
-        (1500, "failed", "run the scene again"),
-        (50_000, "finished", "fenics-yeast plot out/small draws what lacks"),
+        (1500, "failed", "fix this, then rerun the scene"),
+        (50_000, "finished", "to create missing figures, run: fenics-yeast plot out/small"),
     ],
 )
 def test_a_disk_that_fills_up_ends_the_run_in_a_line(
@@ -122,7 +129,7 @@ def test_a_disk_that_fills_up_ends_the_run_in_a_line(
     done = on_a_small_disk(size)
     assert (done.returncode, done.stdout) == (4, "")
     assert done.stderr.startswith("error: out/small: cannot be written: ")
-    assert done.stderr.endswith(f"; once that is mended, {advice}\n")
+    assert done.stderr.endswith(f"; {advice}\n")
     assert done.stderr.count("\n") == 1
     folder = here / "out" / "small"
     rows = read_history(folder)
@@ -171,17 +178,19 @@ def test_an_interrupt_of_the_compilation_leaves_what_the_folder_holds(
     assert [profile.time for profile in read_profiles(folder)] == [10, 20]
 
 
+@pytest.mark.process
 def test_a_reader_that_goes_away_does_not_end_the_run(here: Path) -> None:
     process = start("run", "small.toml")
     assert process.stdout is not None
     process.stdout.close()
     assert process.wait(60) == 0
-    assert read_status(here / "out" / "small") == "finished"
+    assert read_summary(here / "out" / "small").status == "finished"
 
 
 FINE = ("--set", "numerics.step=0.04", "--set", "run.save=[1, 10, 20]")
 
 
+@pytest.mark.process
 def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
     folder = here / "out" / "small"
     process = start("run", "small.toml", "--quiet", *FINE)
@@ -191,9 +200,10 @@ def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
     times = read_history(folder).time_min
     assert times[0] == 0 and times[-1] == 20 and len(times) > 400
     assert [profile.time for profile in read_profiles(folder)] == [1, 10, 20]
-    assert read_status(folder) == "finished"
+    assert read_summary(folder).status == "finished"
 
 
+@pytest.mark.process
 def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
     done = on_a_small_disk(30_000, *FINE)
     assert done.returncode == 4
@@ -205,23 +215,22 @@ def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
     assert np.isfinite(history.volume_ratio).all()
 
 
+@pytest.mark.process
 def test_a_solver_that_gives_up_exits_4_with_what_it_has(here: Path) -> None:
-    code = (
+    before = (
         "from fenics_yeast.solve.time_stepper import TimeStepper, EquilibriumError\n"
         "attempt = TimeStepper.attempt\n"
         "def gives_up(self, end):\n"
         "    if end > 5: raise EquilibriumError('no luck', 3)\n"
         "    return attempt(self, end)\n"
-        "TimeStepper.attempt = gives_up\n"
-        "from fenics_yeast.command.main import main; main()"
+        "TimeStepper.attempt = gives_up"
     )
-    command = [sys.executable, "-c", code, "run", "small.toml", "--quiet", *FINE]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = finish("run", "small.toml", "--quiet", *FINE, before=before)
     assert done.returncode == 4, done.stderr
-    assert done.stderr.startswith("error: no step beyond ") and "no luck" in done.stderr
+    assert done.stderr.startswith("error: no convergence beyond ") and "no luck" in done.stderr
     assert done.stderr.count("\n") == 1
     folder = here / "out" / "small"
-    assert read_status(folder) == "failed"
+    assert read_summary(folder).status == "failed"
     history, profiles = read_history(folder), read_profiles(folder)
     assert 4.9 < history.time_min[-1] <= 5
     assert [profile.time for profile in profiles] == [1, history.time_min[-1]]

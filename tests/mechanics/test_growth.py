@@ -6,12 +6,12 @@ import ufl
 
 from fenics_yeast import _dolfinx as dx
 from fenics_yeast import simulate
+from fenics_yeast.mechanics import GrowthState, QuadraturePoints
 from fenics_yeast.mechanics import growth_laws as growth
 from fenics_yeast.mechanics import hyperelasticity as wall
-from fenics_yeast.mechanics.growth_state import GrowthState
 from fenics_yeast.simulation import build_shell
 
-CELL = np.array([0], dtype=np.int32)
+ELEMENT = np.array([0], dtype=np.int32)
 SIGMA_TRS, T_GRW = 1.0, 45.0
 
 
@@ -26,7 +26,7 @@ def law(one_element):
 
     def evaluate(tau_value, eps_value=(0, 0), eps_g_value=(0, 0)):
         tau.value[:], eps.value[:], eps_g.value[:] = tau_value, eps_value, eps_g_value
-        *rates, dissipation = dx.evaluate(expression, one_element, CELL)[0]
+        *rates, dissipation = dx.evaluate(expression, one_element, ELEMENT)[0]
         return np.array(rates), dissipation
 
     return evaluate
@@ -41,7 +41,7 @@ def test_rate_is_the_excess_of_the_true_stress_over_the_threshold(law):
 
 @pytest.mark.parametrize("angle", np.deg2rad([0, 30, 45, 90, 135, 200, 300]))
 def test_growth_follows_the_stress(law, angle):
-    """In tension and in compression, alone or mixed; the wall shrinks where it is pressed."""
+    """In tension, in compression and in both; the wall shrinks under compression."""
     direction = np.array([np.cos(angle), np.sin(angle)])
     rate, dissipation = law(3 * direction)
     np.testing.assert_allclose(rate, 2 / T_GRW * direction, rtol=1e-12, atol=1e-15)
@@ -56,7 +56,7 @@ def test_no_growth_below_the_threshold(law, size):
     assert law((0.6 * 1.000001, -0.8 * 1.000001))[1] > 0
 
 
-def test_growth_so_far_does_not_enter_the_rate(law):
+def test_growth_strain_does_not_enter_the_rate(law):
     """The law reads stress and total strain; the energy is per reference volume."""
     np.testing.assert_array_equal(law((3, 4))[0], law((3, 4), eps_g_value=(0.3, 0.1))[0])
 
@@ -75,7 +75,8 @@ def point(one_element):
     def rate(at):
         return growth.stress_driven(at, SIGMA_TRS, T_GRW)
 
-    state = GrowthState(one_element, CELL, 1, [strain], wall.Material(energy), rate)
+    points = QuadraturePoints(one_element, ELEMENT, degree=1)
+    state = GrowthState(points, [strain], wall.Material(energy), rate)
     return strain, state
 
 
@@ -89,7 +90,7 @@ def rate_in_numpy(eps: np.ndarray, eps_g: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("stage", [0.01, 1.0, 6.0])
 @pytest.mark.parametrize("strain", [(0.02, 0.015), (0.04, -0.02), (0.001, 0.0), (-0.03, -0.01)])
 def test_update_solves_the_equation_of_its_stage(point, strain, stage):
-    """From the base, for short and for long stages; in the third strain nothing grows."""
+    """From the base, for short and long stages; at the third strain there is no growth."""
     eps, state = point
     eps.value[:], state.stage.value = strain, stage
     base = np.array([0.004, -0.003])
@@ -107,14 +108,14 @@ def test_update_solves_the_equation_of_its_stage(point, strain, stage):
 # --- in a shell ---------------------------------------------------------------------------
 
 
-def test_elastic_wall_holds_no_growth(elastic_scene):
+def test_an_elastic_wall_has_no_growth_state(elastic_scene):
     shell = build_shell(elastic_scene)
     assert shell.growth is None
     assert shell.dissipation_rate() == 0
-    assert len(shell.growing_elements) == 0
+    assert len(shell.growing_points.elements) == 0
 
 
-def test_only_the_zone_grows(bud_run, fine_scene):
+def test_growth_is_zero_outside_the_zone(bud_run, fine_scene):
     profile = bud_run.profiles.at(90.0)
     grown = np.abs(profile.growth_strain).max(axis=(1, 2))
     edge = np.pi * 2.5 * (1 - 24 / 180)
@@ -123,11 +124,11 @@ def test_only_the_zone_grows(bud_run, fine_scene):
 
 
 def test_dissipation_is_never_negative(bud_run):
-    """And positive as long as the bud grows, which it does all the time."""
+    """It is positive while the bud grows, which it does throughout."""
     assert np.all(bud_run.history.dissipation_rate > 0)
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 def test_dissipation_of_a_sphere_is_that_of_its_stress(sphere_scene):
     """`τ_i dε_i^g/dt` of a membrane in volume `4 π R0² h`, at its elastic equilibrium."""
     scene = sphere_scene.with_values({"run.end": 0.01, "numerics.step": 0.01})
@@ -140,11 +141,11 @@ def test_dissipation_of_a_sphere_is_that_of_its_stress(sphere_scene):
     assert history.dissipation_rate[0] == pytest.approx(per_volume * wall_volume, rel=2e-3)
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 @pytest.mark.parametrize(("factor", "grows"), [(0.96, True), (1.04, False)])
 def test_sphere_grows_if_its_stress_passes_the_threshold(sphere_scene, factor, grows):
     """‖σ‖ = √2 p r/2h in the mid-surface, 1.6 % more and less in the outer and inner fibres."""
-    elastic = 1.0336396 ** (1 / 3)  # stretch under the turgor alone
+    elastic = 1.0336396 ** (1 / 3)  # stretch without growth
     threshold = factor * np.sqrt(2) * 0.20265 * 2.5 * elastic / 0.2
     scene = sphere_scene.with_values(
         {

@@ -16,7 +16,7 @@ def sphere(R0: float, S: float) -> Meridian:
 
 
 def facet(R0: float, S: float) -> Meridian:
-    """The same place on a straight conical element tangent to the sphere."""
+    """The same point on a straight conical element tangent to the sphere."""
     return sphere(R0, S)._replace(psi_S=0.0)
 
 
@@ -51,7 +51,7 @@ def test_uniform_inflation_gives_its_stretch_in_both_directions(S, factor):
 
 
 def test_inflated_sphere_bends_alike_in_both_directions_but_its_facets_do_not():
-    """A straight element has no curvature to lose: the term (λ - 1) Φ' is missing on it."""
+    """A straight element has no curvature: its strain lacks the term (λ - 1) Φ'."""
     factor, R0, S = 1.2, 2.5, 2.0
     parts = strains(sphere(R0, S), scaled(sphere(R0, S), factor))
     assert parts.E1b == pytest.approx((factor - 1) / R0, rel=1e-13)

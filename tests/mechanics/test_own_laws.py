@@ -1,4 +1,4 @@
-"""Laws of one's own: against closed forms and ODEs, with every integrator; one-line errors."""
+"""Users' laws: against closed forms and ODEs, with every integrator; errors on one line."""
 
 from collections.abc import Callable
 from typing import Any
@@ -44,7 +44,7 @@ GROWTH = Law(by_strain, {"threshold": STRAIN, "t_grw": TIME})
 
 @pytest.fixture(scope="module")
 def membrane(cell_scene: Scene) -> Scene:
-    """A sphere that cannot bend: its pressure has a closed form for every energy."""
+    """A membrane sphere: its pressure has a closed form for every energy."""
     return cell_scene.with_values(
         {
             "wall.bending": False,
@@ -63,7 +63,7 @@ def test_a_fung_sphere_has_the_pressure_of_its_closed_form(membrane: Scene) -> N
     assert result.status == "finished" and len(result.history) > 8
     eps = np.log(result.history.volume_ratio) / 3
     expected = 0.1 * slope(eps) / (2.5 * np.exp(3 * eps))
-    assert expected[-1] > 50 * expected[1]  # it stiffens: a neo-Hookean one would soften
+    assert expected[-1] > 50 * expected[1]  # it stiffens; a neo-Hookean sphere would soften
     np.testing.assert_allclose(result.history.pressure_MPa, expected, rtol=1e-5, atol=1e-9)
 
 
@@ -102,8 +102,8 @@ def test_a_whole_sphere_grows_as_its_ode(
     assert result.history.volume_ratio[-1] == pytest.approx(expected, rel=tolerance)
 
 
-def test_the_implicit_steps_have_the_right_tangent(membrane: Scene) -> None:
-    """Newton's method of a long implicit step: as many iterations as the scene's own laws take."""
+def test_implicit_steps_take_at_most_eight_iterations(membrane: Scene) -> None:
+    """In long steps, as with the scene's own laws; a wrong tangent takes more."""
     step = {"numerics.integrator": "backward-euler", "numerics.step": 2.0}
     own = simulate(membrane.with_values(step), energy=ENERGY, growth_law=GROWTH)
     assert own.status == "finished" and own.rejected_steps == 0
@@ -147,7 +147,7 @@ def broken(*_: Any) -> Any:
         (3.0, TypeError, "the strain energy is an object of type float; expected a"),
     ],
 )
-def test_an_invalid_energy_is_refused_in_one_line(
+def test_an_invalid_energy_is_reported_on_one_line(
     membrane: Scene, law: Any, error: type[Exception], words: str
 ) -> None:
     with pytest.raises(error, match=words) as refused:
@@ -165,7 +165,7 @@ def test_an_invalid_energy_is_refused_in_one_line(
         (Law(nothing), TypeError, "growth law nothing returned nothing"),
     ],
 )
-def test_an_invalid_growth_law_is_refused_in_one_line(
+def test_an_invalid_growth_law_is_reported_on_one_line(
     membrane: Scene, law: Callable[..., Any], error: type[Exception], words: str
 ) -> None:
     with pytest.raises(error, match=words) as refused:
@@ -173,6 +173,6 @@ def test_an_invalid_growth_law_is_refused_in_one_line(
     assert "\n" not in str(refused.value)
 
 
-def test_a_growth_law_needs_a_place_to_grow(membrane: Scene) -> None:
+def test_a_growth_law_needs_a_growing_zone(membrane: Scene) -> None:
     with pytest.raises(ValueError, match=r"needs a scene with a table \[growth\]"):
         simulate(membrane.with_values({"growth": None}), growth_law=GROWTH)

@@ -17,7 +17,7 @@ R, LENGTH = 2.5, np.pi * 2.5
 
 @pytest.fixture(scope="module")
 def whole(cell_scene: Scene) -> Scene:
-    """A sphere that grows everywhere, far above the threshold, on few cells."""
+    """A sphere that grows everywhere, far above the threshold, on few elements."""
     numerics = {"elements": 24, "order": 4, "thickness_points": 2, "step": 1.0}
     wall = {"shear_modulus": 400.0, "energy_per": "grown"}
     changes = {"growth.zone.half_angle": 180.0, "numerics": numerics, "run": {"end": 4.0}}
@@ -33,7 +33,7 @@ def first_rates(scene: Scene):
     with Equilibrium(shell, 1e-10) as equilibrium:
         equilibrium.solve()
     stretch = (shell.volume() / unloaded) ** (1 / 3)
-    S = shell.quadrature_S[shell.growing_elements]
+    S = shell.growing_points.S
     rates = shell.growth.rate().reshape(*S.shape, -1, 2)
     return S[..., None], rates[..., 0], stretch
 
@@ -49,7 +49,7 @@ def first_rates(scene: Scene):
     ],
 )
 def test_rate_falls_off_as_a_gaussian_of_the_arc_length(whole, polarity, centre):
-    """Around a point that of the unloaded wall; at the tip that of the wall under turgor."""
+    """Of the unloaded wall around a point; of the wall under turgor at the tip."""
     grid = {"numerics.grading": "uniform", "wall.shear_modulus": 40.0}
     _, even, _ = first_rates(whole.with_values(grid))
     S, rates, stretch = first_rates(whole.with_values({**grid, "growth.polarity": polarity}))
@@ -61,7 +61,7 @@ def test_rate_falls_off_as_a_gaussian_of_the_arc_length(whole, polarity, centre)
 
 
 def test_threshold_is_divided_by_the_gaussian(whole):
-    """`w ‖σ‖/σ_trs - 1` where it is positive: from there on nothing grows."""
+    """The excess is `w ‖σ‖/σ_trs - 1`; where it is negative, there is no growth."""
     grid = {"numerics.grading": "uniform"}
     _, even, _ = first_rates(whole.with_values(grid))
     polarity = {"width": 1.5, "weight": "threshold"}
@@ -75,8 +75,8 @@ def test_threshold_is_divided_by_the_gaussian(whole):
 
 @pytest.mark.parametrize("follow", ["point", "tip"])
 @pytest.mark.parametrize("weight", ["rate", "threshold"])
-def test_a_very_wide_gaussian_is_even_growth(whole, weight, follow):
-    """On the same cells; the weight differs from 1 by (LENGTH / width)²/2."""
+def test_a_very_wide_gaussian_gives_uniform_growth(whole, weight, follow):
+    """On the same elements; the weight differs from 1 by (LENGTH / width)²/2."""
     scene = whole.with_values({"numerics.grading": "uniform", "numerics.elements": 12})
     even = simulate(scene).history
     polarity = {"width": "1 m", "weight": weight, "follow": follow}
@@ -97,6 +97,7 @@ def test_growth_at_either_pole_is_the_same_upside_down(whole, follow):
     assert np.abs(np.diff(top.r[[5, -6]])) > 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("integrator", "order"), [("backward-euler", 1), ("sdirk2", 2), ("sdirk3", 3)]
 )
@@ -110,7 +111,7 @@ def test_methods_keep_their_order_where_weights_follow_the_tip(whole, integrator
     assert fitted == pytest.approx(order, abs=0.35)
 
 
-def test_adaptive_steps_hold_their_error_at_a_tip(whole):
+def test_adaptive_steps_meet_their_tolerance_at_a_tip(whole):
     values = {"growth.polarity": {"width": 1.0, "follow": "tip"}, "numerics.step": None}
     volumes = [
         simulate(whole.with_values({**values, "numerics.tolerance": tolerance})).history
@@ -121,8 +122,8 @@ def test_adaptive_steps_hold_their_error_at_a_tip(whole):
     assert len(volumes[0]) < len(volumes[1])
 
 
-def test_growth_leaves_the_wall_that_the_tip_has_left(whole):
-    """Around a point of the wall it goes on in all that has come from there, however far."""
+def test_growth_stops_where_the_tip_has_left(whole):
+    """Around a point of the wall it continues in all material from there, however far away."""
     fastest = {}
     for follow in ("point", "tip"):
         values = {"growth.polarity": {"width": 0.8, "follow": follow}, "numerics.step": None}
@@ -138,8 +139,8 @@ def test_growth_leaves_the_wall_that_the_tip_has_left(whole):
     assert fastest["point"] > 0.05
 
 
-def test_one_zone_polarised_and_one_not(whole):
-    """Each by itself, where the other is far; the second is off at first."""
+def test_polarised_and_uniform_zones_grow_independently(whole):
+    """Far from each other; growth of the second starts later."""
     polarity = {"width": 0.5, "follow": "tip"}
     law = {"threshold": 1.0, "time": 45.0}
     zones = [
@@ -155,8 +156,8 @@ def test_one_zone_polarised_and_one_not(whole):
     assert before.growth_strain[~below].max() > 0.02
 
 
-def test_a_law_of_ones_own_is_weighted_too(whole):
-    """By the rate and in time; it has no threshold that could be weighted."""
+def test_a_users_growth_law_is_weighted_in_space_and_time(whole):
+    """Only its rate: it has no threshold that could be weighted."""
 
     def law(point, speed):
         return speed * point.tau / growth.norm(point.tau)
@@ -175,8 +176,9 @@ def test_a_law_of_ones_own_is_weighted_too(whole):
         simulate(by_threshold, growth_law=own)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["sdirk3", "forward-euler"])
-def test_a_run_that_is_taken_up_is_the_same_run(whole, integrator):
+def test_a_resumed_run_equals_an_uninterrupted_one(whole, integrator):
     """To the last digit, from a step in the middle and from the end of growth."""
     values = {"growth.polarity": {"width": 1.0, "follow": "tip"}, "growth.until": 1.0}
     numerics = {"numerics.integrator": integrator, "numerics.step": None}
@@ -205,19 +207,19 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
-def test_arc_length_from_the_tip_goes_over_ranks(whole, mpirun):
+def test_growth_at_the_tip_is_the_same_on_one_and_three_ranks(whole, mpirun):
     values = {"growth.polarity": {"width": 1.0, "follow": "tip"}, "run.end": 2.0}
     text = SCRIPT.format(scene=whole.with_values(values).to_toml())
-    alone, shared = (np.load(mpirun(text, ranks) / "run.npz") for ranks in (1, 3))
-    np.testing.assert_allclose(shared["r"], alone["r"], rtol=0, atol=1e-8)
-    assert alone["growth_strain"].max() > 0.02
+    serial, parallel = (np.load(mpirun(text, ranks) / "run.npz") for ranks in (1, 3))
+    np.testing.assert_allclose(parallel["r"], serial["r"], rtol=0, atol=1e-8)
+    assert serial["growth_strain"].max() > 0.02
 
 
 @pytest.mark.parametrize(
     ("polarity", "said"),
     [
-        ('{ pole = "top" }', ["growth.polarity.width is missing", "a length greater than 0"]),
-        ("{ width = 0 }", ["growth.polarity.width = 0", "greater than 0"]),
+        ('{ pole = "top" }', ["growth.polarity.width is missing", "a length > 0"]),
+        ("{ width = 0 }", ["growth.polarity.width = 0", "> 0"]),
         ('{ width = 1, weight = "speed" }', ["polarity.weight", '"rate", "threshold"']),
         ('{ width = 1, follow = "nose" }', ["polarity.follow", '"point", "tip"']),
         ('{ width = 1, pole = "top", centre = 3 }', ["polarity.centre = 3", "either pole or"]),
@@ -225,7 +227,7 @@ def test_arc_length_from_the_tip_goes_over_ranks(whole, mpirun):
         ("{ width = 1, centre = 9 }", ["polarity.centre = 9", "the meridian ends at 7.85398 µm"]),
     ],
 )
-def test_wrong_polarity_is_refused_in_one_line(polarity, said):
+def test_invalid_polarity_is_reported_on_one_line(polarity, said):
     text = BUD.replace("[run]", f"polarity = {polarity}\n[run]")
     with pytest.raises(SceneError) as caught:
         Scene.from_toml(text)
@@ -237,8 +239,8 @@ def test_wrong_polarity_is_refused_in_one_line(polarity, said):
 
 @pytest.mark.parametrize("follow", ["point", "tip"])
 @pytest.mark.parametrize("weight", ["rate", "threshold"])
-def test_zones_at_both_poles_follow_each_its_own(whole, weight, follow):
-    """As two zones written by hand, and alike at top and bottom."""
+def test_a_zone_at_both_poles_equals_two_zones(whole, weight, follow):
+    """Growth is the same at top and bottom."""
     polarity = {"width": 0.7, "weight": weight, "follow": follow}
     cap = {"half_angle": 60.0}
     law = {"threshold": 1.0, "time": 45.0}
@@ -260,7 +262,7 @@ def test_zones_at_both_poles_follow_each_its_own(whole, weight, follow):
     assert Scene.from_toml(both.to_toml()) == both
 
 
-def test_polarity_lies_around_the_pole_of_its_zone(whole):
+def test_polarity_defaults_to_the_pole_of_its_zone(whole):
     def pole(zone, **values):
         changes = {"growth.zone": zone, "growth.polarity": {"width": 1.0, **values}}
         return whole.with_values(changes).growth.polarity.pole

@@ -1,4 +1,4 @@
-"""Forms of the discretised wall against the potential, written again in NumPy, and differences."""
+"""Forms of the wall against the potential, written independently in NumPy, and differences."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ MU, ALPHA, KAPPA, H = 30.0, 2.7, 50.0, 0.1
 
 @pytest.fixture(scope="module")
 def rough_scene(fine_scene):
-    """A few cells, half of them growing; nothing is converged and nothing is round."""
+    """A few elements, half of them growing; the numbers are arbitrary and not converged."""
     return fine_scene.with_values(
         {
             "wall.shear_modulus": MU,
@@ -71,8 +71,8 @@ def potential(shell, w: np.ndarray, eps_g: np.ndarray) -> complex:
     E2b = (r * np.sin(psi) - R * np.sin(Phi)) / R**2
     density = Q * gamma - Q**2 / (2 * KAPPA * MU * H)
     grown = np.zeros((len(L), len(shell.xi), 2))
-    cells = shell.quadrature_S[shell.growing_elements, 0]
-    grown[np.searchsorted(middle, cells - 1e-9)] = eps_g.reshape(len(cells), -1, 2)
+    places = shell.growing_points.S[:, 0]
+    grown[np.searchsorted(middle, places - 1e-9)] = eps_g.reshape(len(places), -1, 2)
     zeta, weights = np.polynomial.legendre.leggauss(len(shell.xi))
     for j in range(len(zeta)):
         xi = H / 2 * zeta[j]
@@ -85,7 +85,7 @@ def potential(shell, w: np.ndarray, eps_g: np.ndarray) -> complex:
 
 @pytest.mark.parametrize("geometry", ["curved", "conical"])
 def test_residual_is_the_derivative_of_the_potential(rough_scene, geometry):
-    """By complex steps, which have no error of differences; the growth strains are held."""
+    """By complex steps, which have no error of differences; the growth strains are constant."""
     shell = disturbed(rough_scene, stage=2.0, order=1, geometry=geometry)
     w, eps_g = shell.w.x.array.astype(complex), shell.growth.get()
     expected = np.zeros(len(w))
@@ -99,7 +99,7 @@ def test_residual_is_the_derivative_of_the_potential(rough_scene, geometry):
 
 
 def differences(shell, direction: np.ndarray, update: bool) -> np.ndarray:
-    """Change of the residual along a direction, growth following in its stage or held."""
+    """Change of the residual along a direction, with growth updated in its stage or constant."""
     w, eps_g, step, values = shell.w.x.array.copy(), shell.growth.get(), 1e-6, []
     for sign in (1, -1):
         shell.w.x.array[:] = w + sign * step * direction
@@ -113,7 +113,7 @@ def differences(shell, direction: np.ndarray, update: bool) -> np.ndarray:
 @pytest.mark.parametrize("order", [1, 3])
 @pytest.mark.parametrize("name", ["tangent", "consistent_tangent"])
 def test_tangents_are_differences_of_the_residual(rough_scene, name, order):
-    """At given growth, and with the growth of an implicit stage that follows the strain."""
+    """At constant growth, and with growth updated in an implicit stage."""
     shell = disturbed(rough_scene, stage=2.0, order=order)
     shell.forms.update()
     tangent = dense(getattr(shell.forms, name))
@@ -127,27 +127,27 @@ def test_tangents_are_differences_of_the_residual(rough_scene, name, order):
 
 
 def test_growth_in_the_stage_softens_the_wall(rough_scene):
-    """Otherwise the test above could not distinguish the two tangents."""
+    """Otherwise the test above would not distinguish the two tangents."""
     shell = disturbed(rough_scene, stage=2.0, order=1)
     shell.forms.update()
-    held, followed = dense(shell.forms.tangent), dense(shell.forms.consistent_tangent)
-    assert np.linalg.norm(followed - held) > 0.05 * np.linalg.norm(held)
+    constant, updated = dense(shell.forms.tangent), dense(shell.forms.consistent_tangent)
+    assert np.linalg.norm(updated - constant) > 0.05 * np.linalg.norm(constant)
 
 
 def test_tangent_at_given_growth_is_symmetric(rough_scene):
-    """The turgor is a follower load, yet it has a potential: the poles are on the axis."""
+    """The turgor is a follower load with a potential, because the poles lie on the axis."""
     shell = disturbed(rough_scene, stage=2.0, order=3)
     tangent = dense(shell.forms.tangent)
     np.testing.assert_allclose(tangent, tangent.T, rtol=0, atol=1e-13 * abs(tangent).max())
 
 
 @pytest.mark.parametrize("geometry", ["curved", "conical"])
-def test_unloaded_wall_rests(rough_scene, geometry):
+def test_an_unloaded_wall_is_in_equilibrium(rough_scene, geometry):
     shell = build_shell(rough_scene.with_values({"numerics.geometry": geometry}))
     np.testing.assert_allclose(vector(shell.forms.residual), 0, atol=1e-14)
 
 
-def test_axial_translation_strains_nothing(rough_scene):
+def test_an_axial_translation_causes_no_force(rough_scene):
     """The rigid motion of a wall of revolution: no force, no stiffness along it."""
     shell = build_shell(rough_scene)
     motion = np.zeros(len(shell.w.x.array))
@@ -162,10 +162,8 @@ def test_uniform_inflation_stretches_every_fibre(fine_scene):
     """E = (λ² - 1)/2 + ξ (λ - 1)/R0 in both directions, to the error of interpolation."""
     shell, factor = build_shell(fine_scene), 1.1
     inflate(shell, factor)
-    points = dx.quadrature_points(shell.degree)
-    cells = np.arange(len(shell.quadrature_S), dtype=np.int32)
     for eps, xi in zip(shell.eps, shell.xi, strict=True):
-        found = dx.evaluate(dx.compile_expression(eps, points), shell.mesh, cells)
+        found = shell.points.compile(list(eps))()
         fibre = np.log(factor**2 + 2 * xi * (factor - 1) / 2.5) / 2
         np.testing.assert_allclose(found, fibre, rtol=0, atol=2e-6)
 
@@ -177,7 +175,7 @@ def inflate(shell, factor: float) -> None:
     shell.w.x.array[dofs[:, 1]] = (factor - 1) * (curve.height(S) + 2.5)
 
 
-def test_pressure_enters_by_the_volume(rough_scene):
+def test_the_pressure_force_is_the_gradient_of_the_volume(rough_scene):
     """∂Π/∂p = -V/2π: the residual changes by minus the gradient of the volume."""
     shell = disturbed(rough_scene, stage=2.0, order=3)
     gradient, loaded = vector(shell.forms.volume_gradient), vector(shell.forms.residual)
@@ -193,8 +191,8 @@ def test_pressure_enters_by_the_volume(rough_scene):
     assert slope == pytest.approx(2 * np.pi * gradient @ direction, rel=1e-8)
 
 
-def test_volume_of_a_sphere(elastic_scene):
-    """At rest and inflated, on a curved meridian; facets enclose less, by the square of a cell."""
+def test_the_volume_of_a_sphere_is_exact_on_a_curved_meridian(elastic_scene):
+    """At rest and inflated, on a curved meridian; straight elements enclose less, by O(size²)."""
     exact = 4 / 3 * np.pi * 2.5**3
     shell = build_shell(elastic_scene.with_values({"numerics.elements": 48}))
     assert shell.volume() == pytest.approx(exact, rel=1e-9)

@@ -1,4 +1,4 @@
-"""Zones of the wall: thickness and modulus by place, against closed forms."""
+"""Zones of the wall: thickness and modulus by arc length, against closed forms."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ BALLOON_SCENE = Scene.from_toml(BALLOON)
 
 @pytest.fixture(scope="module")
 def coarse(cell_scene: Scene) -> Scene:
-    """The bud on few even cells, to 30 min in fixed steps."""
+    """The bud on few uniform elements, to 30 min in fixed steps."""
     numerics = {"elements": 20, "grading": "uniform", "thickness_points": 3, "step": 2.0}
     changes = {"growth.zone.half_angle": 36, "numerics": numerics, "run": {"end": 30.0}}
     return cell_scene.with_values(changes)
@@ -22,7 +22,7 @@ def coarse(cell_scene: Scene) -> Scene:
 @pytest.mark.parametrize(
     "values", [{"thickness": 0.1}, {"shear_modulus": 40}, {"modulus_factor": 1}]
 )
-def test_zones_like_the_rest_change_nothing(coarse, values):
+def test_zones_equal_to_the_rest_change_nothing(coarse, values):
     zone = {"from_fraction": 0.4, "to_fraction": 0.9, **values}
     plain = simulate(coarse).history
     zoned = simulate(coarse.with_values({"wall.zone": [zone]})).history
@@ -30,8 +30,8 @@ def test_zones_like_the_rest_change_nothing(coarse, values):
 
 
 @pytest.mark.parametrize("bending", [True, False])
-def test_zones_that_cover_the_wall_are_the_wall(coarse, bending):
-    """Thickness and modulus as functions of the arc length, as against constants."""
+def test_zones_that_cover_the_wall_equal_a_uniform_wall(coarse, bending):
+    """Thickness and modulus as functions of arc length, compared with constants."""
     bending_key = {"wall.bending": bending}
     wall = {"wall.thickness": 0.15, "wall.shear_modulus": 60.0, **bending_key}
     plain = simulate(coarse.with_values(wall)).history
@@ -50,9 +50,9 @@ def test_zones_that_cover_the_wall_are_the_wall(coarse, bending):
 
 @pytest.mark.parametrize(("thicker", "stiffer"), [(2.0, 1.0), (1.0, 3.0), (1.5, 0.8)])
 def test_each_half_of_a_sphere_is_stretched_as_its_own_wall(thicker, stiffer):
-    """Far from where they meet: p R/(μ h) = 2 (1/λ - λ⁻⁷), for a membrane is determinate.
+    """Far from where they meet, p R/(μ h) = 2 (1/λ - λ⁻⁷): a membrane is statically determinate.
 
-    What differs where they meet decays over R times the root of the strain.
+    The difference where they meet decays over R times the square root of the strain.
     """
     R, h, mu, p = 2.5, 0.02, 40.0, 0.03
     zone = {"pole": "top", "half_angle": 90, "thickness": thicker * h, "modulus_factor": stiffer}
@@ -65,7 +65,7 @@ def test_each_half_of_a_sphere_is_stretched_as_its_own_wall(thicker, stiffer):
     assert found[0] > 0.006
 
 
-def test_cylinder_of_two_moduli():
+def test_a_cylinder_of_two_moduli_has_the_membrane_solution():
     """Each half far from its edges: hoop equilibrium, and one axial force in both.
 
     With ψ(λ1, λ2) of a neo-Hookean membrane, h ∂ψ/∂λ2 = p R λ1 λ2 in each half, and
@@ -103,8 +103,8 @@ def test_cylinder_of_two_moduli():
     assert expected[0] - 1 > 5e-4
 
 
-def test_a_stiff_ring_holds_its_radius(coarse):
-    """The stiffer, the less it gives."""
+def test_a_stiffer_ring_expands_less(coarse):
+    """Down to the unloaded radius."""
     radii = []
     for factor in (1.0, 10.0, 100.0):
         zone = {"from_fraction": 0.75, "to_fraction": 0.8, "modulus_factor": factor}
@@ -116,7 +116,7 @@ def test_a_stiff_ring_holds_its_radius(coarse):
     assert radii[-1] == pytest.approx(unloaded, rel=1e-2)
 
 
-def test_zones_of_the_wall_go_in_and_out(coarse):
+def test_zones_of_the_wall_survive_a_round_trip_through_toml(coarse):
     text = BUD.replace(
         "[turgor]", '[[wall.zone]]\nfrom = "6 um"\nto = 7\nthickness = 0.2\n[turgor]'
     )
@@ -137,11 +137,11 @@ def test_zones_of_the_wall_go_in_and_out(coarse):
             {"from": 1, "to": 2, "shear_modulus": 3, "modulus_factor": 3},
             ["wall.zone[0].modulus_factor = 3", "either shear_modulus or modulus_factor"],
         ),
-        ({"from": 1, "to": 2, "modulus_factor": -1}, ["modulus_factor = -1", "greater than 0"]),
-        (3, ["wall.zone[0] = 3: the table [wall.zone[0]] is wanted"]),
+        ({"from": 1, "to": 2, "modulus_factor": -1}, ["modulus_factor = -1", "> 0"]),
+        (3, ["wall.zone[0] = 3: expected a table [wall.zone[0]]"]),
     ],
 )
-def test_wrong_zones_of_the_wall_are_refused_in_one_line(zone, said):
+def test_invalid_zones_of_the_wall_are_reported_on_one_line(zone, said):
     with pytest.raises(SceneError) as caught:
         BALLOON_SCENE.with_values({"wall.zone": [zone]})
     message = str(caught.value)
@@ -150,8 +150,8 @@ def test_wrong_zones_of_the_wall_are_refused_in_one_line(zone, said):
         assert part in message
 
 
-def test_laws_of_several_moduli_take_a_factor():
+def test_zones_of_a_wall_with_several_moduli_need_modulus_factor():
     wall = {"thickness": 0.1, "law": "linear", "young_modulus": 100, "poisson_ratio": 0.3}
     zone = {"from": 1, "to": 2, "shear_modulus": 30}
-    with pytest.raises(SceneError, match=r"shear_modulus = 30: of this law a modulus_factor"):
+    with pytest.raises(SceneError, match=r"shear_modulus = 30: this law needs modulus_factor"):
         BALLOON_SCENE.with_values({"wall": {**wall, "zone": [zone]}})

@@ -1,4 +1,4 @@
-"""Walls beside the paper's: sums of Ogden terms, linear, per grown volume, thinning, membranes.
+"""Walls not in the paper: other energies, energy per grown volume, thinning, membranes.
 
 A sphere of radius R and thickness h that is stretched by λ = e g, with e its elastic part and g its
 growth, carries the Cauchy stress p R λ / 2h where its thickness stays.
@@ -41,7 +41,7 @@ def test_terms_of_an_ogden_wall_add_up(elastic_scene: Scene) -> None:
     np.testing.assert_allclose(history.pressure_MPa, expected, atol=2e-4 * expected.max())
 
 
-def test_one_term_in_a_list_is_the_plain_wall(elastic_scene: Scene) -> None:
+def test_terms_of_one_exponent_equal_one_term(elastic_scene: Scene) -> None:
     one = OgdenWall(thickness=H, shear_moduli=[MU / 4, MU * 3 / 4], ogden_exponents=[3.0, 3.0])
     plain = {"thickness": H, "shear_modulus": MU, "ogden_exponent": 3.0}
     pressures = [inflate(elastic_scene, wall).history.pressure_MPa for wall in (one, plain)]
@@ -49,7 +49,9 @@ def test_one_term_in_a_list_is_the_plain_wall(elastic_scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("poisson", [0.3, 0.5, -0.2])
-def test_a_linear_sphere_has_the_closed_form(elastic_scene: Scene, poisson: float) -> None:
+def test_a_saint_venant_kirchhoff_sphere_has_the_closed_form(
+    elastic_scene: Scene, poisson: float
+) -> None:
     """ψ = E ε²/(1-ν) with ε = (λ²-1)/2 in both directions, p R/h = ψ'(λ)/λ²."""
     wall = LinearWall(law="linear", thickness=H, young_modulus=100.0, poisson_ratio=poisson)
     history = inflate(elastic_scene, wall).history
@@ -62,7 +64,7 @@ def test_a_linear_sphere_has_the_closed_form(elastic_scene: Scene, poisson: floa
 
 
 def rate(e: float, g: float, thins: bool) -> float:
-    """Rate of ln g by equation (13); both growth strains are alike."""
+    """Rate of ln g by equation (13); both growth strains are equal."""
     stress = LOAD * MU * e * g / 2 * (e**2 if thins else 1)
     return max(0.0, 2**0.5 * stress - 1) / (2**0.5 * 45)
 
@@ -98,7 +100,7 @@ def test_growing_spheres_follow_their_differential_equation(
     assert result.history.volume_ratio[-1] == pytest.approx(expected, rel=2e-5)
 
 
-def test_a_wall_per_grown_volume_bears_three_times_the_growth_in_logarithm(
+def test_a_wall_per_grown_volume_reaches_three_times_the_growth_strain(
     sphere_scene: Scene,
 ) -> None:
     """It ends where p R g/(μ h), not p R g³/(μ h), meets the limit 1.2395 of its elasticity.
@@ -132,7 +134,7 @@ def test_a_wall_per_grown_volume_bears_three_times_the_growth_in_logarithm(
         assert result.history.max_growth_strain[-1] == pytest.approx(largest, rel=0.02)
 
 
-def test_thinning_shows_in_the_stress(elastic_scene: Scene) -> None:
+def test_thinning_increases_the_stress(elastic_scene: Scene) -> None:
     """σ = p r/2h with the current thickness h/e² in place of h."""
     stress = []
     for change in ("none", "elastic"):
@@ -159,18 +161,20 @@ def test_a_membrane_sphere_has_the_closed_form_to_the_last_digits(elastic_scene:
     wall = result.profiles.all[-1]
     assert wall.strain.shape[1] == 1 and wall.xi == [0]
     np.testing.assert_allclose(wall.psi, wall.S / R, atol=0.02)
-    assert build_shell(scene).degree == 5
+    assert build_shell(scene).points.degree == 5
 
 
-# Pole stretch, p R/(μ h), w/R of a flat neo-Hookean disc with its rim held: membrane theory's
+# Pole stretch, p R/(μ h), w/R of a flat neo-Hookean disc with a constrained edge: membrane theory's
 # ordinary differential equations, integrated to 1e-11.
 DISC = [(1.05, 0.234941, 0.274093), (1.1, 0.527782, 0.383472), (1.5, 1.643582, 0.798789),
         (3.0, 1.807922, 1.488846)]  # fmt: skip
 
 
 @pytest.mark.parametrize(("stretch", "load", "rise"), DISC)
-def test_a_flat_membrane_is_blown_up(elastic_scene, stretch, load, rise) -> None:
-    """From its plane, where it has no stiffness, by pressure below the limit point."""
+def test_a_flat_membrane_inflates_as_its_differential_equations(
+    elastic_scene, stretch, load, rise
+) -> None:
+    """From its plane, where it has no stiffness, at pressures below the limit point."""
     values = {"cell": {"shape": "disc", "diameter": 2 * R}, "wall.bending": False,
               "numerics.elements": 40, "numerics.grading": "uniform"}  # fmt: skip
     scene = elastic_scene.with_values(values)
@@ -190,5 +194,5 @@ def test_a_flat_membrane_is_blown_up(elastic_scene, stretch, load, rise) -> None
 
 def test_a_ring_without_bending_is_refused(elastic_scene: Scene) -> None:
     ring = {"shape": "cone", "outer_diameter": 4, "inner_diameter": 1, "height": 0}
-    with pytest.raises(ValueError, match=r"wall.bending = false: a flat ring without bending"):
+    with pytest.raises(ValueError, match=r"wall.bending = false: a flat membrane ring"):
         elastic_scene.with_values({"cell": ring, "wall.bending": False})

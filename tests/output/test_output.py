@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fenics_yeast import Scene
+from fenics_yeast.output import read_history, read_profiles, read_scene, read_summary
 from fenics_yeast.output.folder import OutputError, OutputFolder
-from fenics_yeast.output.reading import read_history, read_profiles, read_scene, read_status
 from fenics_yeast.simulation import COLUMNS, History, Profile, Profiles, Result, Row, Timings
 
 CONTRACT = (
@@ -100,7 +100,7 @@ def test_what_is_written_is_read_back_to_the_last_digit(tmp_path: Path, scene: S
     assert list(read_history(tmp_path).rows) == rows
     assert all(map(same, read_profiles(tmp_path), profiles))
     assert len(read_profiles(tmp_path)) == 2
-    assert read_status(tmp_path) == "no-equilibrium"
+    assert read_summary(tmp_path).status == "no-equilibrium"
 
 
 def test_a_run_that_still_goes_can_be_read(tmp_path: Path, scene: Scene) -> None:
@@ -110,7 +110,7 @@ def test_a_run_that_still_goes_can_be_read(tmp_path: Path, scene: Scene) -> None
         folder.saved(a_profile(1.0))
         assert read_history(tmp_path).at(1.0) == a_row(1.0)
         assert same(read_profiles(tmp_path).at(1.0), a_profile(1.0))
-        assert read_status(tmp_path) is None
+        assert read_summary(tmp_path) is None
 
 
 def test_a_history_cut_anywhere_reads_up_to_the_last_whole_line(
@@ -128,7 +128,7 @@ def test_a_history_cut_anywhere_reads_up_to_the_last_whole_line(
         assert len(read_history(tmp_path)) == expected
 
 
-def test_damage_is_told_with_its_place(tmp_path: Path, scene: Scene) -> None:
+def test_damage_is_reported_with_its_place(tmp_path: Path, scene: Scene) -> None:
     with OutputFolder(tmp_path, scene) as folder:
         folder.accepted(a_row(0.0))
     with open(tmp_path / "history.csv", "a") as file:
@@ -136,14 +136,14 @@ def test_damage_is_told_with_its_place(tmp_path: Path, scene: Scene) -> None:
     with pytest.raises(OutputError, match=r"history\.csv: line 3 is damaged"):
         read_history(tmp_path)
     (tmp_path / "profiles.npz").write_bytes(b"PK")
-    with pytest.raises(OutputError, match=r"profiles\.npz: is damaged"):
+    with pytest.raises(OutputError, match=r"profiles\.npz: damaged"):
         read_profiles(tmp_path)
     (tmp_path / "run.json").write_text("{")
-    with pytest.raises(OutputError, match=r"run\.json: is damaged"):
-        read_status(tmp_path)
-    with pytest.raises(OutputError, match=r"holds no history\.csv"):
+    with pytest.raises(OutputError, match=r"run\.json: damaged"):
+        read_summary(tmp_path)
+    with pytest.raises(OutputError, match=r"no history\.csv; not the output directory"):
         read_history(tmp_path / "elsewhere")
-    with pytest.raises(OutputError, match=r"holds no scene\.toml"):
+    with pytest.raises(OutputError, match=r"no scene\.toml; not the output directory"):
         read_scene(tmp_path / "elsewhere")
 
 
@@ -161,7 +161,7 @@ def test_a_second_run_replaces_the_first_and_nothing_else(tmp_path: Path, scene:
     with OutputFolder(tmp_path, other):
         assert read_scene(tmp_path) == other
         assert len(read_history(tmp_path)) == len(read_profiles(tmp_path)) == 0
-        assert read_status(tmp_path) is None
+        assert read_summary(tmp_path) is None
     assert {path.name for path in (tmp_path / "figures").iterdir()} == {"mine.png"}
     assert (tmp_path / "notes.txt").read_text() == "dear diary"
 
@@ -171,13 +171,13 @@ def test_a_file_of_somebody_else_is_never_overwritten(
     tmp_path: Path, scene: Scene, name: str
 ) -> None:
     (tmp_path / name).write_text("precious")
-    with pytest.raises(OutputError, match=f"holds a {name} that no run has left"):
+    with pytest.raises(OutputError, match=f"its {name} is not from a run"):
         OutputFolder(tmp_path, scene)
     assert [path.name for path in tmp_path.iterdir()] == [name]
     assert (tmp_path / name).read_text() == "precious"
 
 
-def test_a_place_that_cannot_be_written_is_told_in_a_line(tmp_path: Path, scene: Scene) -> None:
+def test_an_unwritable_place_is_reported_on_one_line(tmp_path: Path, scene: Scene) -> None:
     file = tmp_path / "file"
     file.write_text("")
     for place in (file, file / "below"):

@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.command import call
-from support.ranks import RANKS
+from support.ranks import environment, mpirun
+from support.scenes import SMALL
 from typer.testing import Result
 
 from fenics_yeast import Scene, _dolfinx, simulate
 from fenics_yeast.mechanics.ordering import Ordering
-from fenics_yeast.output import restart
-from fenics_yeast.output.reading import read_history, read_profiles, read_result, read_status
+from fenics_yeast.output import read_history, read_profiles, read_result, read_summary, restart
 from fenics_yeast.simulation import COLUMNS, Observers, Profiles, build_shell
 from fenics_yeast.simulation import Result as RunResult
 from fenics_yeast.simulation import checkpointer as checkpointer
@@ -31,35 +31,14 @@ from fenics_yeast.solve.time_stepper import StepperState
 
 KILLS = 10
 
-SMALL = """\
-[cell]
-shape = "sphere"
-diameter = "5 um"
-[wall]
-thickness = "100 nm"
-shear_modulus = "40 MPa"
-[turgor]
-pressure = "2 atm"
-[growth]
-zone = { pole = "top", half_angle = 24.0 }
-threshold = "1 MPa"
-time = "45 min"
-[run]
-end = "20 min"
-save = [1, 10, 20]
-[numerics]
-preset = "paper"
-elements = 40
-step = "2 min"
-"""
+SCENE = SMALL.replace("[10, 20]", "[1, 10, 20]")
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working directory, with a scene in it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.toml").write_text(SMALL)
-    return tmp_path
+def here(here: Path) -> Path:
+    """The working directory, with a scene in it that saves three times."""
+    (here / "small.toml").write_text(SCENE)
+    return here
 
 
 def same(one: RunResult, other: RunResult) -> None:
@@ -103,6 +82,7 @@ CHANGES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CHANGES)
 def test_every_step_can_be_taken_up(
     cell_scene: Scene, case: str, monkeypatch: pytest.MonkeyPatch
@@ -127,15 +107,15 @@ def test_every_step_can_be_taken_up(
         same(again, whole)
 
 
-def test_the_order_of_the_unknowns_is_that_of_their_places(cell_scene: Scene) -> None:
+def test_dofs_are_ordered_by_component_and_place(cell_scene: Scene) -> None:
     """Each place has its own rank in the order, and goes there and back."""
     for changes in ({}, {"wall.bending": False}):
         shell = build_shell(cell_scene.with_values({"numerics.elements": 40, **changes}))
-        components, S = _dolfinx.unknown_places(shell.space)
+        components, S = _dolfinx.dof_places(shell.space)
         assert len({*zip(components, S.round(12), strict=True)}) == len(shell.w.x.array)
         assert set(components) == ({0, 1, 2, 3} if shell.bending else {0, 1})
         shell.w.x.array[:] = 10.0 * components + S
-        layout = Ordering(shell)
+        layout = Ordering(shell.space, shell.growing_points)
         eps_g = shell.growth.get()
         state = StepperState(0.0, shell.w.x.array.copy(), eps_g, None, None, (), ())
         ordered = layout.ordered(state)
@@ -180,14 +160,11 @@ class Runs:
         (here / "command.py").write_text(COMMAND)
 
     def start(self, folder: str, *options: str) -> subprocess.Popen[bytes]:
-        launch = ["mpirun", "-n", str(self.ranks)] if self.ranks > 1 else []
-        command = [*launch, sys.executable, "command.py", "run", "small.toml", *LONG]
-        own = ("OMPI_", "PMIX_", "PRTE_")
-        environment = {k: v for k, v in os.environ.items() if not k.startswith(own)} | RANKS
+        command = [*mpirun(self.ranks), sys.executable, "command.py", "run", "small.toml", *LONG]
         (self.here / "pid").unlink(missing_ok=True)
         return subprocess.Popen(
             [*command, "--out", folder, "--quiet", *options],
-            env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
         )  # fmt: skip
 
     def finish(self, folder: str, *options: str) -> None:
@@ -222,7 +199,9 @@ def moments() -> Iterator[float]:
     return iter(lambda: source.uniform(1, 16), None)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.slow
+@pytest.mark.process
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.ranks)])
 def test_killed_ten_times_a_run_is_that_of_no_kill(
     here: Path, ranks: int, moments: Iterator[float]
 ) -> None:
@@ -233,7 +212,7 @@ def test_killed_ten_times_a_run_is_that_of_no_kill(
     for _ in range(KILLS):
         assert runs.kill("killed", next(moments), *options)
         reached.append(read_history(here / "killed").time_min[-1])  # which reads
-        assert read_status(here / "killed") is None
+        assert read_summary(here / "killed") is None
         options = ("--resume",)
     assert reached[-1] > reached[0] and reached[-1] < END
     runs.finish("killed", "--resume")
@@ -245,8 +224,11 @@ def test_killed_ten_times_a_run_is_that_of_no_kill(
     assert not list((here / "killed").glob("*.part"))
 
 
+@pytest.mark.slow
+@pytest.mark.process
+@pytest.mark.ranks
 def test_a_checkpoint_is_that_of_any_number_of_ranks(here: Path) -> None:
-    """Sums are rounded in another order: the digits are those of test_mpi."""
+    """Sums are rounded in another order: as many digits agree as in test_mpi."""
     runs = {ranks: Runs(here, ranks) for ranks in (1, 2)}
     runs[1].finish("whole")
     whole = read_result(here / "whole")
@@ -285,7 +267,7 @@ def test_a_finished_run_says_so_and_stays_as_it_is(finished: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in finished.rglob("*")}
     result = run("--resume")
     assert result.exit_code == 0 and result.stderr == ""
-    assert "out/small: ended before: reached 20 min" in result.stdout
+    assert "out/small: already complete: reached 20 min" in result.stdout
     assert {path: path.stat().st_mtime_ns for path in finished.rglob("*")} == before
 
 
@@ -300,23 +282,24 @@ def test_a_lost_equilibrium_says_so_with_its_exit_status(here: Path) -> None:
 def test_without_a_checkpoint_a_run_starts_from_the_beginning(here: Path) -> None:
     result = run("--resume")
     assert result.exit_code == 0
-    assert result.stdout.startswith("out/small: no checkpoint to go on from; the run starts from")
-    assert read_status(here / "out" / "small") == "finished"
+    assert result.stdout.startswith("out/small: no checkpoint; starting from")
+    assert read_summary(here / "out" / "small").status == "finished"
 
 
 def test_a_path_starts_from_the_beginning(here: Path) -> None:
-    text = SMALL[: SMALL.index("[growth]")]
+    text = SCENE[: SCENE.index("[growth]")]
     (here / "small.toml").write_text(text + "[path]\nuntil = { volume_ratio = 1.1 }\nsteps = 4\n")
-    for word in ("a path is not taken up half-way", "ended before: reached 0.538"):
+    for word in ("an equilibrium path cannot be resumed", "already complete: reached 0.538"):
         result = run("--resume")
         assert result.exit_code == 0 and word in result.stdout
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
     earlier = read_result(finished)
     result = run("--resume", "--set", "run.end=24", "--set", "run.save=[1, 10, 20, 24]")
     assert result.exit_code == 0, result.output
-    assert "goes on from 20 min" in result.stdout
+    assert "resuming from 20 min" in result.stdout
     later = read_result(finished)
     assert later.history.rows[: len(earlier.history)] == earlier.history.rows
     assert later.history.time_min[-1] == 24
@@ -331,10 +314,10 @@ def test_a_run_goes_on_to_a_later_end(finished: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (["wall.thickness=0.2"], ["another scene", "wall.thickness = 0.1 in place of 0.2"]),
-        (["numerics.step=1"], ["another scene", "numerics.step = 2.0 in place of 1.0"]),
-        (["run.end=10", "run.save=[10]"], ["has come to 20 min already"]),
-        (["run.end=30", "run.save=[5, 30]"], ["has passed 5 min, which was not to be saved"]),
+        (["wall.thickness=0.2"], ["another scene", "wall.thickness = 0.1, not 0.2"]),
+        (["numerics.step=1"], ["another scene", "numerics.step = 2.0, not 1.0"]),
+        (["run.end=10", "run.save=[10]"], ["already at 20 min"]),
+        (["run.end=30", "run.save=[5, 30]"], ["5 min was added to run.save too late"]),
     ],
 )
 def test_what_the_folder_does_not_hold_is_refused(
@@ -346,7 +329,7 @@ def test_what_the_folder_does_not_hold_is_refused(
 
 
 def test_a_title_makes_no_other_scene(finished: Path) -> None:
-    (finished.parent.parent / "small.toml").write_text('title = "Mine"\n' + SMALL)
+    (finished.parent.parent / "small.toml").write_text(SCENE.replace("Test bud", "Mine"))
     assert run("--resume", "--quiet").exit_code == 0
 
 
@@ -358,7 +341,7 @@ def test_a_damaged_checkpoint_is_refused(finished: Path) -> None:
         path.write_bytes(whole[:length])
         refused(run("--resume"), "checkpoint.npz: is damaged")
     harmful = 0
-    for _ in range(40):  # a bit here or there: told, or of no matter
+    for _ in range(40):  # a flipped bit is reported, or has no effect
         at = source.randrange(len(whole))
         content = bytearray(whole)
         content[at] ^= 1 << source.randrange(8)
@@ -383,7 +366,7 @@ def test_a_history_that_was_cut_behind_its_checkpoint_is_refused(finished: Path)
     lines = (finished / "history.csv").read_text().splitlines(keepends=True)
     (finished / "history.csv").write_text("".join(lines[:5]))
     (finished / "run.json").unlink()
-    refused(run("--resume"), "has lost row")
+    refused(run("--resume"), "is missing, which the checkpoint needs")
 
 
 def test_a_new_run_forgets_the_checkpoint_of_the_old_one(
@@ -398,6 +381,7 @@ def test_a_new_run_forgets_the_checkpoint_of_the_old_one(
     assert not (finished / "checkpoint.npz").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on(here: Path) -> None:
     whole = simulate(Scene.load("small.toml"))
     folder = here / "out" / "small"
@@ -415,7 +399,7 @@ def test_an_interrupted_run_goes_on(here: Path) -> None:
             stopped = lambda observers, stop=Stop: Observers([*observers, stop()])  # noqa: E731
             patch.setattr("fenics_yeast.simulation.Observers", stopped)
             assert run("--quiet", *(["--resume"] if at > 3 else [])).exit_code == 130
-        assert read_status(folder) == "interrupted"
+        assert read_summary(folder).status == "interrupted"
         assert read_result(folder).profiles.all[-1].time == read_history(folder).time_min[-1]
     assert run("--quiet", "--resume").exit_code == 0
     same(read_result(folder), whole)

@@ -1,4 +1,4 @@
-"""Every demo runs as it stands, prints its numbers and draws its figure."""
+"""Every demo runs, prints the expected numbers and draws its figure."""
 
 import re
 import subprocess
@@ -41,7 +41,7 @@ def fig6(text: str) -> None:
     ]
     ratios = [float(ratio) for _, ratio, _ in found]
     assert ratios == pytest.approx([1.187757, 1.124014, 1.097469], abs=5e-5, rel=0)
-    # Were threshold and turgor equivalent to the letter, these would be zero.
+    # If threshold and turgor were exactly equivalent, these would be zero.
     more = [float(percent) for percent in re.findall(r"([\d.]+)% more", text)]
     assert more == pytest.approx([5.70, 7.44, 13.26], abs=0.1, rel=0)
 
@@ -55,7 +55,7 @@ def balloon(text: str) -> None:
 
 
 def own_law(text: str) -> None:
-    """The paper's laws beside one's own; a wall that stiffens does not lose its equilibrium."""
+    """The paper's laws and a user-defined one; a wall that stiffens keeps its equilibrium."""
     found = re.findall(r"^(.*): V/V0 = (.*) at (.*) min, (\S+) \((\d+) steps\)$", text, re.M)
     runs = {name: (float(ratio), float(time), status) for name, ratio, time, status, _ in found}
     assert runs["Ogden, driven by stress"] == (pytest.approx(1.35354, abs=3e-4), 90, "finished")
@@ -66,7 +66,7 @@ def own_law(text: str) -> None:
 
 
 def speed_against_error(text: str) -> None:
-    """The truth is that of other programs; the paper's scheme misses its own by some 2e-4."""
+    """The reference is from other programs; the error of the paper's scheme is about 2e-4."""
     away = re.search(r"(\S+) from the volumes of other programs", text)
     assert away is not None and float(away[1]) < 2e-5
     error = re.search(r"^the paper's scheme .* error +(\S+)", text, re.M)
@@ -77,7 +77,7 @@ def speed_against_error(text: str) -> None:
 
 
 def tip_growth(text: str) -> None:
-    """The tube has left its spore: its radius and its speed are those of the balance.
+    """The tube has left its spore; its radius and its speed are those of the balance.
 
     The balance is that of a membrane without elastic strain; those of the shell are 0.5 %.
     """
@@ -89,7 +89,7 @@ def tip_growth(text: str) -> None:
     for _, tube, advance in rows[-2:]:
         assert float(tube) == pytest.approx(radius, rel=7e-3)
         assert float(advance) == pytest.approx(speed, rel=2e-3)
-    assert float(rows[1][1]) > 1.3 * radius  # the tube chooses its radius, not the spore
+    assert float(rows[1][1]) > 1.3 * radius  # the radius of the tube is not that of the spore
 
 
 def chitin_ring(text: str) -> None:
@@ -105,7 +105,7 @@ def chitin_ring(text: str) -> None:
 
 
 def septum(text: str) -> None:
-    """Nothing moves at the cut; the mother buds as she did before, the daughter ends at 90 min."""
+    """Separation changes no volume; the mother buds as before, the daughter grows."""
     rows = re.findall(r"^(\w+): (\S+) µm³ after (\d+) min", text, re.M)
     volume = {(name, int(time)): float(value) for name, value, time in rows}
     both = volume["mother", 0] + volume["daughter", 0]
@@ -133,7 +133,7 @@ ELSEWHERE = {"hard_cases", "hard_runs", "closed_forms", "tip_balance"}
 REPORTS = ("speed_against_error",)  # longer than a demo that reads like the paper
 
 
-def test_no_demo_goes_unchecked() -> None:
+def test_every_demo_is_checked() -> None:
     assert {path.stem for path in DEMOS.glob("*.py")} == set(NUMBERS) | ELSEWHERE
 
 
@@ -156,6 +156,8 @@ def runs(
         yield {name: pool.submit(run, name) for name in NUMBERS if f"test_demo[{name}]" in asked}
 
 
+@pytest.mark.slow
+@pytest.mark.process
 @pytest.mark.parametrize("name", NUMBERS)
 def test_demo(
     name: str,

@@ -1,5 +1,6 @@
-"""What the documents show is run as it stands there: Python, commands and scenes."""
+"""Python, commands and scenes in the documents run; files and functions named there exist."""
 
+import ast
 import re
 import shlex
 import subprocess
@@ -10,7 +11,8 @@ from pathlib import Path
 import pytest
 from support.command import COMMAND as PROGRAM
 
-from fenics_yeast import Scene
+from fenics_yeast import Scene, simulate
+from fenics_yeast.simulation import COLUMNS, EXIT_STATUS
 
 TOP = Path(__file__).parents[2]
 DOCUMENTS = [*sorted(TOP.glob("*.md")), *sorted((TOP / "docs").glob("*.md"))]
@@ -39,16 +41,19 @@ def checkout(tmp_path: Path) -> Path:
 
 def run(command: list[str], folder: Path) -> None:
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=240)
-    # A run may end where the model has no equilibrium any more, and say so.
+    # A run may end at a loss of equilibrium.
     ended = done.returncode == 3 and "no equilibrium" in done.stderr
     assert ended or (done.returncode, done.stderr) == (0, ""), f"{command}: {done.stderr}"
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("number", range(len(blocks("python"))))
 def test_python_block(number: int, checkout: Path) -> None:
     run([sys.executable, "-c", blocks("python")[number]], checkout)
 
 
+@pytest.mark.slow
+@pytest.mark.process
 def test_commands_in_their_order(checkout: Path) -> None:
     """A command finds what those before it left."""
     assert len(commands()) >= 3
@@ -57,8 +62,8 @@ def test_commands_in_their_order(checkout: Path) -> None:
         run([*PROGRAM, *arguments], checkout)
 
 
-def test_no_command_goes_without_its_folder() -> None:
-    """Else nobody could type it, and nothing here would run it."""
+def test_commands_have_their_path() -> None:
+    """Otherwise they would not work as they stand, nor be run here."""
     for path in DOCUMENTS:
         assert not re.search(r"^    (fenics-yeast|python) ", path.read_text(), re.M), path
 
@@ -100,6 +105,51 @@ def test_links_lead_somewhere() -> None:
             assert link.startswith("https://") or (path.parent / link).exists(), f"{path}: {link}"
 
 
+def defined_in(path: Path) -> set[str]:
+    """Names of functions, classes, methods and constants of a module."""
+    names = set()
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        if isinstance(node, ast.ClassDef):
+            names |= {f"{node.name}.{m.name}" for m in node.body if isinstance(m, ast.FunctionDef)}
+        if isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return names
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.name)
+def test_code_named_in_a_document_exists(path: Path) -> None:
+    text = " ".join(path.read_text().split())
+    files = re.findall(r"`((?:fenics_yeast|tests|demos)/[\w./]*)(?:::\w+)?`", text)
+    for name in files:
+        assert (TOP / name).exists(), name
+    listed = re.findall(r"`(fenics_yeast/[\w/]+\.py)`: ((?:`[\w.]+`(?:, )?)+)", text)
+    for name, functions in listed:
+        for function in re.findall(r"`([\w.]+)`", functions):
+            assert function in defined_in(TOP / name), f"{name}: {function}"
+    if path.name in ("how-a-run-works.md", "model.md"):
+        assert len(listed) > 10
+
+
+def first_cells(path: Path, heading: str) -> list[str]:
+    """Names in the first column of the table below a heading."""
+    section = path.read_text().split(f"## {heading}\n")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| (`[^|]+) \|", section, re.M)
+    return [name for row in rows for name in re.findall(r"`([^`]+)`", row)]
+
+
+def test_tables_of_outputs_are_those_of_the_code(cell_scene: Scene) -> None:
+    page = TOP / "docs" / "outputs.md"
+    assert first_cells(page, "Columns of `history.csv`") == list(COLUMNS)
+    assert first_cells(page, "How a run ends") == list(EXIT_STATUS)
+    static = cell_scene.with_values({"growth": None, "run": None})
+    profiles = simulate(static).profiles
+    assert set(first_cells(page, "Arrays of `profiles.npz`")) == set(profiles.arrays())
+
+
+@pytest.mark.process
 def test_nothing_else_lies_at_the_top() -> None:
     """What a visitor sees first; a checkout only."""
     if not (TOP / ".git").exists():

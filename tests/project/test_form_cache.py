@@ -1,4 +1,4 @@
-"""Compiled forms: whoever was killed or compiles at the same time, the next run goes on."""
+"""The cache of compiled forms survives killed and simultaneous processes."""
 
 import os
 import signal
@@ -9,6 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support.command import MAIN
+from support.scenes import BALLOON
 
 from fenics_yeast import _form_cache
 
@@ -38,7 +40,8 @@ def unfinished(cache: Path) -> set[Path]:
     }
 
 
-def test_a_killed_compilation_keeps_nobody_waiting(tmp_path: Path) -> None:
+@pytest.mark.process
+def test_a_run_after_a_killed_compilation_does_not_wait(tmp_path: Path) -> None:
     process = start(tmp_path)
     while not unfinished(tmp_path):
         assert process.poll() is None
@@ -49,18 +52,20 @@ def test_a_killed_compilation_keeps_nobody_waiting(tmp_path: Path) -> None:
     left = unfinished(tmp_path)
     began = time.monotonic()
     assert start(tmp_path).communicate() == ANSWER
-    assert left and time.monotonic() - began < 9  # FFCx alone waits for 10 s, in vain
+    assert left and time.monotonic() - began < 9  # FFCx by itself would wait for 10 s
     assert not unfinished(tmp_path)
 
 
-def test_what_lost_its_library_is_compiled_anew(tmp_path: Path) -> None:
+@pytest.mark.process
+def test_a_form_without_its_library_is_compiled_again(tmp_path: Path) -> None:
     assert start(tmp_path).communicate() == ANSWER
     for library in tmp_path.glob("fenics-yeast/*/*.so"):
         library.unlink()
     assert start(tmp_path).communicate() == ANSWER
 
 
-def test_processes_that_compile_at_once_share_the_work(tmp_path: Path) -> None:
+@pytest.mark.process
+def test_simultaneous_processes_compile_once(tmp_path: Path) -> None:
     processes = [start(tmp_path) for _ in range(3)]
     assert [process.communicate() for process in processes] == [ANSWER] * 3
     assert not unfinished(tmp_path)
@@ -80,11 +85,13 @@ numerics = { order = 1 }
 ''')
 for _ in range(2):
     simulate(scene)
-    ufl.variable(ufl.as_ufl(1.0))  # which UFL counts
+    ufl.variable(ufl.as_ufl(1.0))  # UFL counts these
 """
 
 
-def test_a_growing_wall_finds_what_another_compiled(tmp_path: Path) -> None:
+@pytest.mark.slow
+@pytest.mark.process
+def test_forms_of_a_growing_wall_are_compiled_once(tmp_path: Path) -> None:
     """In the same process and in the next one."""
     compiled = []
     for code in (GROWTH.replace("range(2)", "range(1)"), GROWTH):
@@ -93,10 +100,11 @@ def test_a_growing_wall_finds_what_another_compiled(tmp_path: Path) -> None:
     assert len(compiled[0]) > 5 and compiled[0] == compiled[1]
 
 
+@pytest.mark.process
 def test_ranks_compile_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mpirun: Callable[[str, int], Path]
 ) -> None:
-    """Under the names that one rank alone looks for."""
+    """Under the names that a run on one rank looks for."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     mpirun(CODE, 2)
     compiled = sorted(tmp_path.glob("fenics-yeast/*/*.so"))
@@ -105,6 +113,7 @@ def test_ranks_compile_once(
     assert sorted(tmp_path.glob("fenics-yeast/*/*.so")) == compiled
 
 
+@pytest.mark.process
 def test_a_cache_that_cannot_be_written_is_replaced_for_the_run() -> None:
     output, errors = start("/proc/nowhere").communicate()
     assert output == ANSWER[0]
@@ -112,7 +121,7 @@ def test_a_cache_that_cannot_be_written_is_replaced_for_the_run() -> None:
     assert "XDG_CACHE_HOME" in errors and errors.count("\n") == 1
 
 
-def test_the_cache_of_someone_else_is_not_loaded(
+def test_the_cache_of_another_user_is_not_loaded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -124,18 +133,13 @@ def test_the_cache_of_someone_else_is_not_loaded(
     assert "it belongs to another user" in capsys.readouterr().err
 
 
-SCENE = """\
-cell = { shape = "sphere", diameter = 5 }
-wall = { thickness = 0.1, shear_modulus = 40 }
-turgor = { pressure = 0.2 }
-"""
-
-
+@pytest.mark.slow
+@pytest.mark.process
 def test_without_a_compiler_the_command_says_what_to_install(tmp_path: Path) -> None:
-    (tmp_path / "static.toml").write_text(SCENE)
+    (tmp_path / "static.toml").write_text(BALLOON)
     code = (
         f"import os; os.chdir({str(tmp_path)!r}); import sys; sys.argv[1:] = ['run', 'static.toml']"
-        "\nfrom fenics_yeast.command.main import main; main()"
+        f"\n{MAIN}"
     )
     process = start(tmp_path, code, CC="no-such-compiler")
     output, errors = process.communicate()

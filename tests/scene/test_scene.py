@@ -1,4 +1,4 @@
-"""Scenes: units, defaults and presets, the way in and out of TOML, and every way to be wrong."""
+"""Scenes: units, defaults and presets, TOML in and out, changes of values."""
 
 import dataclasses
 import pickle
@@ -52,7 +52,7 @@ def test_every_key_of_the_documented_scene_is_read(bud):
     assert bud.cell.radius == 2.5
 
 
-def test_a_scene_needs_no_more_than_cell_wall_and_turgor():
+def test_a_scene_needs_only_cell_wall_and_turgor():
     scene = Scene.from_toml(BALLOON)
     assert scene.growth is None
     assert scene.run is None
@@ -131,7 +131,7 @@ def test_presets_are_complete_and_valid(name):
     assert Numerics(preset=name) == Numerics(preset=name, **given)
 
 
-def test_more_elements_for_a_smaller_tolerance_and_more_to_resolve():
+def test_a_smaller_tolerance_and_more_zones_need_more_elements():
     bud = Scene.from_toml(BUD).with_values({"numerics": {}})
     scenes = [bud.with_values({"numerics.tolerance": t}) for t in (1e-3, 1e-4, 1e-6)]
     elements = [scene.numerics.elements for scene in scenes]
@@ -142,14 +142,14 @@ def test_more_elements_for_a_smaller_tolerance_and_more_to_resolve():
     assert Scene.from_toml(scenes[2].to_toml()) == scenes[2]
 
 
-def test_the_paper_preset_is_the_paper():
+def test_the_paper_preset_has_the_numerics_of_the_paper():
     paper = Scene.from_toml(BALLOON + '[numerics]\npreset = "paper"').numerics
     assert (paper.elements, paper.order, paper.thickness_points) == (480, 1, 3)
     assert (paper.grading, paper.geometry) == ("uniform", "conical")
     assert (paper.integrator, paper.step) == ("backward-euler", 0.2)
 
 
-def test_a_key_overrides_its_preset_alone():
+def test_a_key_overrides_only_its_own_value_of_the_preset():
     paper = Scene.from_toml(BALLOON + '[numerics]\npreset = "paper"\nstep = "adaptive"').numerics
     assert paper == Numerics(
         **{"preset": "paper", **dataclasses.asdict(PRESETS["paper"]), "step": None}
@@ -170,13 +170,13 @@ def test_written_scenes_read_back_equal(text):
     assert Scene.from_toml(written).to_toml() == written
 
 
-def test_written_scenes_spell_out_every_default():
+def test_written_scenes_contain_every_default():
     written = Scene.from_toml(BALLOON + '[run]\nend = 9\n[numerics]\nstep = "adaptive"').to_toml()
     for key in ("title", "ogden_exponent", "ramp", "save", *Numerics.model_fields):
         assert f"\n{key} = " in written
 
 
-def test_an_infinite_shear_penalty_goes_in_and_out():
+def test_an_infinite_shear_penalty_is_read_and_written():
     scene = Scene.from_toml(BALLOON + "[numerics]\nshear_penalty = inf")
     assert scene.numerics.shear_penalty == float("inf")
     assert Scene.from_toml(scene.to_toml()) == scene
@@ -190,7 +190,7 @@ def test_values_can_be_changed(bud):
     assert changed.with_values({"growth.time": 45, "wall.shear_modulus": 40}) == bud
 
 
-def test_what_was_never_set_follows_a_change():
+def test_defaults_follow_a_change():
     scene = Scene.from_toml(BALLOON + "[run]\nend = 90\n[numerics]\norder = 2\n")
     paper = scene.with_values({"numerics.preset": "paper", "run.end": 30})
     assert paper.numerics == Numerics(preset="paper", order=2)
@@ -199,7 +199,7 @@ def test_what_was_never_set_follows_a_change():
     assert back == scene
 
 
-def test_tables_can_be_changed_as_a_whole_and_left_out(bud):
+def test_whole_tables_can_be_changed_and_removed(bud):
     zone = {"pole": "bottom", "half_angle": 10}
     changed = bud.with_values({"growth.zone": zone, "growth.zone.half_angle": 30})
     assert changed.growth.zone == Zone(pole="bottom", half_angle=30)
@@ -211,7 +211,7 @@ def test_tables_can_be_changed_as_a_whole_and_left_out(bud):
     assert elastic.with_values({"growth": bud.growth, "numerics.step": 0.2}) == bud
 
 
-def test_names(tmp_path, bud):
+def test_a_scene_is_named_after_its_file_or_else_its_title(tmp_path, bud):
     path = tmp_path / "my-bud.toml"
     path.write_text(BUD, encoding="utf-8")
     scene = Scene.load(path)
@@ -223,7 +223,7 @@ def test_names(tmp_path, bud):
     assert "my-bud" not in scene.to_toml()
 
 
-def test_scenes_survive_pickling_with_their_name_and_presets(tmp_path):
+def test_pickled_scenes_keep_their_name_and_preset(tmp_path):
     path = tmp_path / "bud.toml"
     path.write_text(BALLOON)
     scene = pickle.loads(pickle.dumps(Scene.load(path)))
@@ -231,7 +231,7 @@ def test_scenes_survive_pickling_with_their_name_and_presets(tmp_path):
     assert scene.with_values({"numerics.preset": "paper"}).numerics.elements == 480
 
 
-def test_windows_files_are_read(tmp_path, bud):
+def test_files_with_a_byte_order_mark_and_crlf_are_read(tmp_path, bud):
     path = tmp_path / "bud.toml"
     path.write_bytes(b"\xef\xbb\xbf" + BUD.replace("\n", "\r\n").encode())
     assert Scene.load(path) == bud
@@ -242,6 +242,7 @@ def test_scenes_are_frozen(bud):
         bud.wall.thickness = 1.0
 
 
+@pytest.mark.process
 def test_a_scene_loads_neither_dolfinx_nor_pint(tmp_path):
     path = tmp_path / "balloon.toml"
     path.write_text(BALLOON)

@@ -1,4 +1,4 @@
-"""Whatever is wrong with a scene is told in one line."""
+"""Every error of a scene is reported on one line."""
 
 import random
 
@@ -25,14 +25,14 @@ def replaced(old: str, new: str) -> str:
     return BUD.replace(old, new)
 
 
-# What is wrong, and what the message has to say: the key, the value, what is allowed.
+# What is wrong, and what the message must contain: the key, the value, what must hold.
 MALFORMED = {
     "syntax": (replaced('shape = "sphere"', "shape sphere"), ["not TOML", "line 4"]),
     "unquoted unit": (replaced('"100 nm"', "100 nm"), ["not TOML", "line 8"]),
     "key twice": (replaced("order = 1", "elements = 1"), ["not TOML"]),
-    "nested too deep": ("a = " + "[" * 10_000, ["nested too deep"]),
+    "nested too deeply": ("a = " + "[" * 10_000, ["brackets are nested too deeply"]),
     "control character": (replaced("sphere", "sph\x00ere"), ["not TOML"]),
-    "empty": ("", ["cell is missing", "[cell]", "and 2 more"]),
+    "empty": ("", ["cell is missing", "[cell]", "(and 2 more errors)"]),
     "unknown table": (replaced("[growth]", "[groth]"), ["groth", "unknown", "mean growth?"]),
     "unknown key": (replaced("thickness = ", "thicknes = "), ["wall.thickness", "length"]),
     "unknown key alone": (
@@ -57,19 +57,30 @@ MALFORMED = {
     ),
     "table for number": (replaced('"100 nm"', "{ nm = 100 }"), ["wall.thickness = {...}"]),
     "list for table": ("wall = [1, 2]\n" + BALLOON.replace("[wall]", "[wal]"), ["wall = [1, 2]"]),
-    "list of tables": (replaced("[turgor]", "[[turgor]]"), ["turgor = [{...}]", "[turgor]"]),
+    "table in a list": (replaced("[turgor]", "[[turgor]]"), ["turgor = [{...}]", "[turgor]"]),
     "date": (replaced('"45 min"', "1979-05-27T07:32:00Z"), ["growth.time = 1979-05-27", "a time"]),
+    "unknown key in a list": (
+        replaced("[turgor]", "[[wall.zone]]\nthicknesss = 1\n[turgor]"),
+        ["wall.zone[0].thicknesss = 1", "did you mean wall.zone[0].thickness?"],
+    ),
+    "number for bool": (
+        replaced("[turgor]", "bending = 1\n[turgor]"),
+        ["wall.bending = 1: expected true or false"],
+    ),
     "bool for quantity": (replaced('"1 MPa"', "true"), ["growth.threshold = true", "pressure"]),
-    "bool for count": (replaced("order = 1", "order = true"), ["numerics.order = true", "whole"]),
-    "real for count": (replaced("480", "480.0"), ["numerics.elements = 480.0", "whole number"]),
-    "text for count": (replaced("480", '"480"'), ['numerics.elements = "480"', "whole number"]),
+    "bool for count": (
+        replaced("order = 1", "order = true"),
+        ["numerics.order = true", "an integer"],
+    ),
+    "real for count": (replaced("480", "480.0"), ["numerics.elements = 480.0", "an integer"]),
+    "text for count": (replaced("480", '"480"'), ['numerics.elements = "480"', "an integer"]),
     "text for number": (replaced("1e-4", '"1e-4"'), ['numerics.tolerance = "1e-4"', "number"]),
-    "number for text": (replaced('"S. cerevisiae bud"', "3"), ["title = 3", "text"]),
+    "number for text": (replaced('"S. cerevisiae bud"', "3"), ["title = 3: expected a string"]),
     "no unit": (replaced('"100 nm"', '"100"'), ['wall.thickness = "100"', "no unit", '"100 nm"']),
     "unit alone": (replaced('"100 nm"', '"nm"'), ['wall.thickness = "nm"', '"100 nm"']),
     "wrong dimension": (
         replaced('"100 nm"', '"100 kg"'),
-        ['wall.thickness = "100 kg": a length', '"100 nm"', "bare numbers are µm"],
+        ['wall.thickness = "100 kg": expected a length', '"100 nm"', "plain numbers are in µm"],
     ),
     "time for pressure": (replaced('"2 atm"', '"2 min"'), ['turgor.pressure = "2 min"', "MPa"]),
     "length for angle": (replaced("24.0", '"1 um"'), ['half_angle = "1 um"', "degrees"]),
@@ -82,7 +93,7 @@ MALFORMED = {
     "two lines": (replaced('"100 nm"', '"100 n\\nm"'), [r'wall.thickness = "100 n\nm"']),
     "nan": (replaced("24.0", "nan"), ["growth.zone.half_angle = nan", "not finite", "180"]),
     "nan without unit": (replaced("2.0", "nan"), ["wall.ogden_exponent = nan", "finite"]),
-    "nan penalty": (replaced("1000.0", "nan"), ["numerics.shear_penalty = nan", "than 0"]),
+    "nan penalty": (replaced("1000.0", "nan"), ["numerics.shear_penalty = nan", "> 0"]),
     "nan pressure": (replaced('"2 atm"', "nan"), ["turgor.pressure = nan", "not finite"]),
     "nan in text": (replaced('"2 atm"', '"nan atm"'), ['turgor.pressure = "nan atm"']),
     "infinity": (replaced('"90 min"', "inf"), ["run.end = inf", "not finite"]),
@@ -93,18 +104,18 @@ MALFORMED = {
     "other preset": (replaced('"default"', '"Paper"'), ['numerics.preset = "Paper"', '"paper"']),
     "other integrator": (replaced('"backward-euler"', '"rk4"'), ['"rk4"', '"sdirk3"']),
     "list for choice": (replaced('"conical"', "[]"), ["numerics.geometry = []", '"curved"']),
-    "no diameter": (replaced('"5 um"', '"0 um"'), ['cell.diameter = "0 um"', "greater than 0"]),
-    "negative thickness": (replaced('"100 nm"', "-0.1"), ["wall.thickness = -0.1", "than 0"]),
+    "no diameter": (replaced('"5 um"', '"0 um"'), ['cell.diameter = "0 um"', "> 0"]),
+    "negative thickness": (replaced('"100 nm"', "-0.1"), ["wall.thickness = -0.1", "> 0"]),
     "wall thicker than the cell": (
         replaced('"100 nm"', '"3 um"'),
         ['wall.thickness = "3 um"', "radius (2.5 µm)"],
     ),
-    "exponent 0": (replaced("2.0", "0"), ["wall.ogden_exponent = 0", "any number but 0"]),
-    "negative ramp": (replaced('"0.01 min"', "-1"), ["turgor.ramp = -1", "at least 0"]),
-    "zone of 0°": (replaced("24.0", "0"), ["growth.zone.half_angle = 0", "greater than 0"]),
-    "zone beyond 180°": (replaced("24.0", '"181 deg"'), ['half_angle = "181 deg"', "at most 180"]),
-    "no threshold": (replaced('"1 MPa"', "0"), ["growth.threshold = 0", "greater than 0"]),
-    "no end": (replaced('"90 min"', "0"), ["run.end = 0", "greater than 0"]),
+    "exponent 0": (replaced("2.0", "0"), ["wall.ogden_exponent = 0", "must not be 0"]),
+    "negative ramp": (replaced('"0.01 min"', "-1"), ["turgor.ramp = -1", ">= 0"]),
+    "zone of 0°": (replaced("24.0", "0"), ["growth.zone.half_angle = 0", "> 0"]),
+    "zone beyond 180°": (replaced("24.0", '"181 deg"'), ['half_angle = "181 deg"', "<= 180"]),
+    "no threshold": (replaced('"1 MPa"', "0"), ["growth.threshold = 0", "> 0"]),
+    "no end": (replaced('"90 min"', "0"), ["run.end = 0", "> 0"]),
     "saved after the end": (
         replaced("[40, 70, 90]", '[40, "2 h"]'),
         ['run.save = [40, "2 h"]', "120 min is outside", "run.end (90 min)"],
@@ -117,25 +128,25 @@ MALFORMED = {
     "nested saved times": (replaced("[40, 70, 90]", "[[40]]"), ["run.save[0] = [40]", "a time"]),
     "growth without run": (
         BUD[: BUD.index("[run]")],
-        ["run is missing", "growth needs a [run] table with an end time"],
+        ["run is missing: growth needs [run], e.g. end ="],
     ),
-    "one element": (replaced("480", "1"), ["numerics.elements = 1", "at least 2", "100000"]),
-    "too many elements": (replaced("480", "100_001"), ["elements = 100001", "at most 100000 is"]),
-    "order 5": (replaced("order = 1", "order = 5"), ["numerics.order = 5", "at most 4"]),
-    "17 points": (replaced("points = 3", "points = 17"), ["thickness_points = 17", "at most 16"]),
-    "no step": (replaced('"0.2 min"', "0"), ["numerics.step = 0", "than 0", '"adaptive"']),
-    "loose tolerance": (replaced("1e-4", "0.2"), ["numerics.tolerance = 0.2", "at most 0.1"]),
+    "one element": (replaced("480", "1"), ["numerics.elements = 1", ">= 2 and <= 100000"]),
+    "too many elements": (replaced("480", "100_001"), ["elements = 100001", "<= 100000"]),
+    "order 5": (replaced("order = 1", "order = 5"), ["numerics.order = 5", "<= 4"]),
+    "17 points": (replaced("points = 3", "points = 17"), ["thickness_points = 17", "<= 16"]),
+    "no step": (replaced('"0.2 min"', "0"), ["numerics.step = 0", "> 0", '"adaptive"']),
+    "loose tolerance": (replaced("1e-4", "0.2"), ["numerics.tolerance = 0.2", "<= 0.1"]),
     "loose tolerance of a preset": (
         BALLOON + "[numerics]\ntolerance = 7",
-        ["numerics.tolerance = 7", "at most 0.1"],
+        ["numerics.tolerance = 7", "<= 0.1"],
     ),
     "several": (
         BUD.replace("480", "1").replace('"conical"', "3").replace("1e-4", "7"),
-        ["numerics.tolerance = 7", "(and 2 more)"],
+        ["numerics.tolerance = 7", "(and 2 more errors)"],
     ),
     "wrong preset and a key": (
         BALLOON + '[numerics]\npreset = "x"\norder = 9\n',
-        ["numerics.preset", "(and 1 more)"],
+        ['numerics.preset = "x": expected one of', "(and 1 more error)"],
     ),
 }
 
@@ -148,7 +159,7 @@ def assert_one_line(message: str) -> None:
 
 
 @pytest.mark.parametrize(("text", "said"), MALFORMED.values(), ids=MALFORMED)
-def test_malformed_scenes_are_told_in_one_line(tmp_path, text, said):
+def test_malformed_scenes_are_reported_on_one_line(tmp_path, text, said):
     path = tmp_path / "bud.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(SceneError) as caught:
@@ -161,16 +172,16 @@ def test_malformed_scenes_are_told_in_one_line(tmp_path, text, said):
         assert part in message
 
 
-def test_unreadable_files_are_told_in_one_line(tmp_path):
+def test_unreadable_files_are_reported_on_one_line(tmp_path):
     latin = tmp_path / "latin.toml"
     latin.write_bytes('title = "ä"'.encode("latin-1"))
     loop = tmp_path / "loop.toml"
     loop.symlink_to(loop)
     for path, said in [
         (tmp_path / "none.toml", "no such file"),
-        (tmp_path, "is a folder"),
+        (tmp_path, "cannot be read: Is a directory"),
         (latin / "bud.toml", "cannot be read: Not a directory"),
-        (latin, "not a text in UTF-8, see byte 10"),
+        (latin, "not UTF-8 at byte 10; save the file as UTF-8"),
         (loop, "cannot be read"),
         ("bud\0.toml", "cannot be read"),
         ("bud\n.toml", "no such file"),
@@ -183,31 +194,38 @@ def test_unreadable_files_are_told_in_one_line(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"growth.time": -3}, "bud.toml: growth.time = -3: a time greater than 0"),
+        ({"growth.time": -3}, "bud.toml: growth.time = -3: expected a time > 0"),
         ({"growth.tim": 3}, "bud.toml: growth.tim = 3: unknown key; did you mean growth.time?"),
         ({"cell.diameter.x": 3}, "bud.toml: cell.diameter.x = 3: diameter is not a table"),
         ({"run.save.0": 3}, "bud.toml: run.save.0 = 3: save is not a table"),
-        ({"run": None}, "bud.toml: run = None: growth needs a [run] table"),
-        ({"cell": None}, "bud.toml: cell = None: the table [cell] is wanted"),
-        ({"run.end": 50}, "bud.toml: run.save = (40.0, 70.0, 90.0): 70 min is outside the run"),
+        ({"run": None}, "bud.toml: run = None: growth needs [run], e.g. end"),
+        ({"cell": None}, "bud.toml: cell = None: expected a table [cell]"),
+        (
+            {"run.end": 50},
+            "bud.toml: run.save = [40.0, 70.0, 90.0]: 70 min is outside the run; saved times must "
+            "lie between 0 and run.end (50 min); if you change run.end, also set run.save",
+        ),
         ({"growth": {1: 2}}, "bud.toml: growth"),
         ({"": 3}, "bud.toml:  = 3: unknown key"),
         ({"growth.time": object()}, "bud.toml: growth.time = <object"),
     ],
 )
-def test_wrong_changes_are_told_in_one_line(bud, changes, said):
+def test_wrong_changes_are_reported_on_one_line(bud, changes, said):
     with pytest.raises(SceneError) as caught:
         bud.with_values(changes)
     assert_one_line(str(caught.value))
-    assert str(caught.value).startswith(said.replace("(40.0, 70.0, 90.0)", "[40.0, 70.0, 90.0]"))
+    assert str(caught.value).startswith(said)
 
 
-def test_tables_built_in_python_speak_in_one_line_too():
-    with pytest.raises(SceneError, match=r"^Cell: diameter = -1: a length greater than 0"):
+def test_errors_of_tables_built_in_python_are_reported_on_one_line():
+    with pytest.raises(SceneError, match=r"^Cell: diameter = -1: expected a length > 0"):
         Cell(shape="sphere", diameter=-1)
     with pytest.raises(SceneError, match=r"^Scene: wall is missing"):
         Scene(cell=Cell(shape="sphere", diameter=5), turgor=Turgor(pressure=1))
-    with pytest.raises(SceneError, match=r"^Scene: wall.thickness = 4.0: .* radius \(2.5 µm\)"):
+    with pytest.raises(
+        SceneError,
+        match=r"^Scene: wall.thickness = 4.0: must be less than the cell's radius \(2.5 µm\)",
+    ):
         Scene(
             cell=Cell(shape="sphere", diameter=5),
             wall=Wall(thickness=4, shear_modulus=1),
@@ -215,7 +233,7 @@ def test_tables_built_in_python_speak_in_one_line_too():
         )
 
 
-def test_no_mutilation_of_a_scene_raises_anything_else():
+def test_a_scene_with_random_edits_is_read_or_raises_a_scene_error():
     chance = random.Random(1)
     pieces = [*'=[]{}".,#-+_eE0', "\n", "\n[", "nan", "inf", "true", "1e999", "5 kg", "µ", "\x07"]
     words = BUD.split()
@@ -235,7 +253,7 @@ def test_no_mutilation_of_a_scene_raises_anything_else():
     assert 1000 < refused < 2000
 
 
-def test_values_of_every_type_in_every_place_raise_nothing_else(bud):
+def test_a_value_of_any_type_at_any_key_is_taken_or_raises_a_scene_error(bud):
     keys = [
         f"{table}.{key}"
         for table, model in Scene.model_fields.items()

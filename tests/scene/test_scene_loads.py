@@ -1,18 +1,12 @@
-"""Loads of a scene beyond a steady turgor: a pressure that changes in time, and static paths."""
+"""Loads of a scene other than constant turgor: time-dependent pressure, forces, static paths."""
 
 import pytest
+from support import scenes
 
 from fenics_yeast import Scene, SceneError
 from fenics_yeast.scene import PressureTable, StaticPath, Until
 
-BALLOON = """\
-[cell]
-shape = "sphere"
-diameter = 5
-[wall]
-thickness = 0.1
-shear_modulus = 40
-"""
+BALLOON = scenes.BALLOON[: scenes.BALLOON.index("[turgor]")]
 STEADY = "[turgor]\npressure = 0.2\n"
 RUN = "[run]\nend = 90\n"
 GROWTH = '[growth]\nzone = { pole = "top", half_angle = 24 }\nthreshold = 1\ntime = 45\n'
@@ -34,7 +28,7 @@ def test_a_changing_pressure_is_read_in_its_units() -> None:
     assert pressure == PressureTable(time=(0, 30, 40), value=(0.20265, 0.20265, 0.020265))
 
 
-def test_a_path_goes_by_volume_in_60_steps_unless_told_otherwise() -> None:
+def test_a_path_prescribes_the_volume_in_60_steps_by_default() -> None:
     path = scene(STEADY + "[path]\nuntil = { volume_ratio = 8 }\n").path
     assert path == StaticPath(control="volume", until=Until(volume_ratio=8.0), steps=60)
     text = '[path]\ncontrol = "arc-length"\nuntil = { pressure = "1 bar" }\nsteps = 9\n'
@@ -77,39 +71,39 @@ def test_values_can_be_changed() -> None:
 MALFORMED = {
     "one pressure for two times": (
         with_pressure("{ time = [0, 3], value = [1] }") + RUN,
-        "turgor.pressure.value = [1]: a pressure for each of the 2 times is wanted",
+        "turgor.pressure.value = [1]: expected 2 pressures, one per time",
     ),
     "no times": (
         with_pressure("{ time = [], value = [] }") + RUN,
-        "turgor.pressure.time = []: increasing times from 0 on",
+        "turgor.pressure.time = []: expected increasing times >= 0",
     ),
-    "times that fall": (
+    "decreasing times": (
         with_pressure("{ time = [3, 2], value = [1, 1] }") + RUN,
-        "turgor.pressure.time = [3, 2]: increasing times",
+        "turgor.pressure.time = [3, 2]: expected increasing times",
     ),
-    "times that stand": (
+    "equal times": (
         with_pressure("{ time = [2, 2], value = [1, 1] }") + RUN,
-        "turgor.pressure.time = [2, 2]: increasing times",
+        "turgor.pressure.time = [2, 2]: expected increasing times",
     ),
     "time before the start": (
         with_pressure("{ time = [-1, 2], value = [1, 1] }") + RUN,
-        "turgor.pressure.time = [-1, 2]: increasing times from 0 on",
+        "turgor.pressure.time = [-1, 2]: expected increasing times >= 0",
     ),
     "time for pressure": (
         with_pressure('{ time = [0, 2], value = ["1 min", 1] }') + RUN,
-        'turgor.pressure.value[0] = "1 min": a pressure or stress is wanted',
+        'turgor.pressure.value[0] = "1 min": expected a pressure or stress',
     ),
     "not a number": (
         with_pressure("{ time = [0, nan], value = [1, 1] }") + RUN,
-        "turgor.pressure.time[1] = nan: not finite; a time",
+        "turgor.pressure.time[1] = nan: not finite; expected a time",
     ),
     "values missing": (
         with_pressure("{ time = [0, 1] }") + RUN,
-        "turgor.pressure.value is missing: a list of pressures",
+        "turgor.pressure.value is missing: expected a list of pressures",
     ),
     "value for a list": (
         with_pressure("{ time = [0], value = 1 }") + RUN,
-        "turgor.pressure.value = 1: a list of pressures is wanted",
+        "turgor.pressure.value = 1: expected a list of pressures",
     ),
     "other key": (
         with_pressure("{ times = [0, 1], time = [0, 1], value = [1, 1] }") + RUN,
@@ -117,55 +111,58 @@ MALFORMED = {
     ),
     "list for table": (
         with_pressure("[0, 1]") + RUN,
-        "turgor.pressure = [0, 1]: a pressure or stress is wanted",
+        "turgor.pressure = [0, 1]: expected a pressure or stress",
     ),
     "changing without a run": (
         CHANGING,
-        "turgor.pressure = {...}: a pressure that changes needs a [run] table",
+        "turgor.pressure = {...}: a time-dependent pressure needs [run], e.g. end",
     ),
     "path and run": (
         STEADY + RUN + "[path]\nuntil = { volume_ratio = 8 }\n",
-        "run = {...}: a [path] is static: leave out [path] or [run]",
+        "run = {...}: a [path] is static; remove [path] or [run]",
     ),
     "path and growth": (
         STEADY + GROWTH + "[path]\nuntil = { volume_ratio = 8 }\n",
         "growth = {...}: a [path] is static",
     ),
-    "endless path": (STEADY + "[path]\n", "path.until is missing"),
-    "no goal": (STEADY + "[path]\nuntil = {}\n", "path.until = {...}: one of volume_ratio"),
-    "two goals": (
-        STEADY + "[path]\nuntil = { volume_ratio = 8, pressure = 1 }\n",
-        "path.until = {...}: one of volume_ratio, pressure, displacement, force is wanted",
+    "path without end": (STEADY + "[path]\n", "path.until is missing"),
+    "no end": (
+        STEADY + "[path]\nuntil = {}\n",
+        "path.until = {...}: expected exactly one of volume_ratio",
     ),
-    "goal at the start": (
+    "two ends": (
+        STEADY + "[path]\nuntil = { volume_ratio = 8, pressure = 1 }\n",
+        "path.until = {...}: expected exactly one of volume_ratio, pressure, displacement, force",
+    ),
+    "end at the start": (
         STEADY + "[path]\nuntil = { pressure = 0 }\n",
-        "path.until = {...}: a path ends elsewhere than it begins",
+        "path.until = {...}: a path must not end where it begins",
     ),
     "negative volume": (
         STEADY + "[path]\nuntil = { volume_ratio = -8 }\n",
-        "path.until.volume_ratio = -8: a number greater than 0",
+        "path.until.volume_ratio = -8: must be > 0",
     ),
     "length for pressure": (
         STEADY + '[path]\nuntil = { pressure = "1 um" }\n',
-        'path.until.pressure = "1 um": a pressure or stress is wanted',
+        'path.until.pressure = "1 um": expected a pressure or stress',
     ),
-    "unknown goal": (
+    "unknown end": (
         STEADY + "[path]\nuntil = { volume = 8 }\n",
         "path.until.volume = 8: unknown key; did you mean path.until.volume_ratio?",
     ),
     "unknown control": (
         STEADY + '[path]\ncontrol = "time"\nuntil = { volume_ratio = 8 }\n',
-        'path.control = "time": allowed: "pressure", "volume", "arc-length"',
+        'path.control = "time": expected one of "pressure", "volume", "arc-length"',
     ),
     "no steps": (
         STEADY + "[path]\nsteps = 0\nuntil = { volume_ratio = 8 }\n",
-        "path.steps = 0: a whole number at least 1",
+        "path.steps = 0: expected an integer >= 1",
     ),
 }
 
 
 @pytest.mark.parametrize(("text", "said"), MALFORMED.values(), ids=MALFORMED)
-def test_malformed_loads_are_told_in_one_line(text: str, said: str) -> None:
+def test_malformed_loads_are_reported_on_one_line(text: str, said: str) -> None:
     with pytest.raises(SceneError) as caught:
         scene(text)
     message = str(caught.value)
@@ -174,15 +171,15 @@ def test_malformed_loads_are_told_in_one_line(text: str, said: str) -> None:
 
 
 @pytest.mark.parametrize("edge", ["roller", "axial"])
-def test_a_membrane_that_nothing_holds_is_refused(edge):
-    """Of a cone with a free edge: the other one would have to bear the wall's radial pull."""
+def test_a_membrane_cone_with_a_free_edge_needs_a_radial_support(edge):
+    """The other edge must carry the radial pull of the wall."""
     size = "outer_diameter = 6, inner_diameter = 2, height = 2"
     text = f"""
         cell = {{ shape = "cone", {size}, edge = "{edge}" }}
         wall = {{ thickness = 0.1, shear_modulus = 40, bending = false }}
         turgor = {{ pressure = 0.1 }}
     """
-    with pytest.raises(SceneError, match=f'cell.edge = "{edge}": hinged or clamped'):
+    with pytest.raises(SceneError, match=f'cell.edge = "{edge}": .* needs "hinged" or "clamped"'):
         Scene.from_toml(text)
     Scene.from_toml(text.replace(edge, "hinged"))
     Scene.from_toml(text.replace(", bending = false", ""))

@@ -1,4 +1,4 @@
-"""Whatever goes wrong in a run, what was computed before is kept and readable."""
+"""A run that fails or is interrupted keeps what it has computed."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def scene(sphere_scene: Scene) -> Scene:
 
 
 class Listener:
-    """An observer that raises something at a row."""
+    """An observer that raises an exception at a row."""
 
     def __init__(self, at: int, problem: BaseException) -> None:
         self.at, self.problem = at, problem
@@ -37,7 +37,7 @@ class Listener:
 
 
 def assert_kept(result: Result, rows: int) -> None:
-    """So many rows of numbers, and the profile of the last of them."""
+    """Assert that there are finite rows, at least so many, and a profile of the last of them."""
     history = result.history
     assert len(history) >= rows
     assert all(np.isfinite(getattr(history, name)).all() for name in COLUMNS)
@@ -45,7 +45,7 @@ def assert_kept(result: Result, rows: int) -> None:
     assert all(np.isfinite(array).all() for array in result.profiles.arrays().values())
 
 
-def test_a_law_that_turns_into_no_number_ends_the_run_where_it_does(scene: Scene) -> None:
+def test_a_law_that_becomes_nan_ends_the_run_as_failed(scene: Scene) -> None:
     """The wall has no growth rate beyond a growth strain of 0.05."""
 
     def brittle(point, sigma_trs, t_grw):  # type: ignore[no-untyped-def]
@@ -56,7 +56,7 @@ def test_a_law_that_turns_into_no_number_ends_the_run_where_it_does(scene: Scene
     assert result.status == "failed"
     assert "even with the smallest step: the residual is not a number" in result.message
     assert_kept(result, 2)
-    # What is there is that of the same wall with the usual law.
+    # Up to there the results are those of the usual law.
     usual = simulate(scene)
     np.testing.assert_allclose(
         result.history.volume_ratio[:2], usual.history.volume_ratio[:2], rtol=1e-6
@@ -64,7 +64,7 @@ def test_a_law_that_turns_into_no_number_ends_the_run_where_it_does(scene: Scene
     assert 0.04 < result.history.max_growth_strain[-1] < 0.05
 
 
-def test_an_error_in_the_text_of_a_law_is_its_own(scene: Scene) -> None:
+def test_an_exception_in_the_code_of_a_law_becomes_a_value_error(scene: Scene) -> None:
     def wrong(point):  # type: ignore[no-untyped-def]
         raise ZeroDivisionError("in my law")
 
@@ -72,7 +72,7 @@ def test_an_error_in_the_text_of_a_law_is_its_own(scene: Scene) -> None:
         simulate(scene, growth_law=Law(wrong))
 
 
-def test_an_unforeseen_error_in_a_run_keeps_what_it_has(
+def test_an_unexpected_exception_ends_the_run_as_failed(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     attempt = TimeStepper.attempt
@@ -88,13 +88,13 @@ def test_an_unforeseen_error_in_a_run_keeps_what_it_has(
     result = simulate(scene)
     assert result.status == "failed"
     assert "RuntimeError: the machine broke" in result.message
-    assert "the machine broke" in caplog.text  # with its place
+    assert "the machine broke" in caplog.text  # with its traceback
     assert_kept(result, 5)
     assert result.end_time == 4
     assert [profile.time for profile in result.profiles] == [2, 4]
 
 
-def test_an_interrupt_keeps_what_it_has(scene: Scene) -> None:
+def test_an_interrupt_in_an_observer_keeps_the_accepted_rows(scene: Scene) -> None:
     listener = Listener(6, KeyboardInterrupt())
     result = simulate(scene, observer=listener)
     assert result.status == "interrupted"
@@ -106,7 +106,7 @@ def test_an_interrupt_keeps_what_it_has(scene: Scene) -> None:
 def test_an_interrupt_within_newtons_method_keeps_the_accepted_state(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stages = TimeStepper._stages
+    stages = TimeStepper._solve_stages
 
     def interrupted(self: TimeStepper, end: float):  # type: ignore[no-untyped-def]
         step = stages(self, end)
@@ -115,7 +115,7 @@ def test_an_interrupt_within_newtons_method_keeps_the_accepted_state(
         return step
 
     whole = simulate(scene)
-    monkeypatch.setattr(TimeStepper, "_stages", interrupted)
+    monkeypatch.setattr(TimeStepper, "_solve_stages", interrupted)
     result = simulate(scene)
     assert result.status == "interrupted"
     assert_kept(result, 5)
@@ -123,8 +123,8 @@ def test_an_interrupt_within_newtons_method_keeps_the_accepted_state(
     assert largest == pytest.approx(whole.history.at(4).max_growth_strain, rel=1e-12)
 
 
-def test_what_an_observer_raises_comes_out(scene: Scene) -> None:
+def test_an_exception_of_an_observer_is_raised(scene: Scene) -> None:
     listener = Listener(3, ZeroDivisionError("mine"))
     with pytest.raises(ZeroDivisionError, match="mine"):
         simulate(scene, observer=listener)
-    assert len(listener.rows) == 3  # and it is told nothing more
+    assert len(listener.rows) == 3  # it is not called again

@@ -1,4 +1,4 @@
-"""A wall shared by ranks is the same wall."""
+"""Results do not depend on the number of ranks."""
 
 from collections.abc import Callable
 from functools import cache
@@ -24,20 +24,20 @@ for number, text in enumerate(TEXT.split("=====")):
     scene = Scene.from_toml(text)
     result = simulate(scene)
     history = np.array([getattr(result.history, name) for name in COLUMNS])
-    told = {{"history": history, "status": result.status, "message": result.message}}
+    found = {{"history": history, "status": result.status, "message": result.message}}
     if scene.title == "error bars":
         bars = estimate_error_bars(scene, result).columns()
-        told |= {{f"error by {{name}}": values for name, values in bars.items()}}
-    for other in world.allgather(told):  # every rank knows the same
-        assert other.keys() == told.keys()
-        for name in told:
-            np.testing.assert_array_equal(other[name], told[name])
+        found |= {{f"error by {{name}}": values for name, values in bars.items()}}
+    for other in world.allgather(found):  # the same on every rank
+        assert other.keys() == found.keys()
+        for name in found:
+            np.testing.assert_array_equal(other[name], found[name])
     if world.rank == 0:
-        np.savez(f"{{number}}.npz", **told, **result.profiles.arrays())
+        np.savez(f"{{number}}.npz", **found, **result.profiles.arrays())
     else:
         assert len(result.profiles) == 0
 
-# a wall of its own for each rank
+# each rank runs the whole wall
 alone = simulate(scene, comm=MPI.COMM_SELF)
 assert len(alone.profiles) == 2
 np.testing.assert_allclose(
@@ -52,7 +52,7 @@ Results = dict[str, dict[str, np.ndarray]]
 def scenes(
     cell_scene: Scene, paper_scene: Scene, fine_scene: Scene, sphere_scene: Scene
 ) -> dict[str, Scene]:
-    """Short runs by name; the zone lies on one rank alone or is cut through."""
+    """Short runs by name; the zone lies on one rank or is split between two."""
     run = {"run": {"end": 1.0, "save": [0.5, 1.0]}, "turgor.ramp": 0.01}
     fixed = {**run, "numerics.step": 0.5}
     bottom = {"growth.zone.pole": "bottom", "numerics.elements": 40}
@@ -81,7 +81,8 @@ def runs(scenes: dict[str, Scene], mpirun: Callable[[str, int], Path]) -> Callab
     return run
 
 
-def test_any_number_of_ranks_gives_the_same(runs: Callable[[int], Results]) -> None:
+@pytest.mark.slow
+def test_one_two_and_three_ranks_give_the_same_results(runs: Callable[[int], Results]) -> None:
     """History, profiles, stability, error bars, and how a run ends."""
     one = runs(1)
     for ranks in (2, 3):

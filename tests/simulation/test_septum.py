@@ -1,4 +1,4 @@
-"""Separation: pieces begin as the cut leaves them, and go on as cells of their own."""
+"""Cell separation: mother and daughter start from the whole cell and then grow separately."""
 
 import numpy as np
 import pytest
@@ -29,13 +29,13 @@ def parts(bud, whole):
     return [simulate(piece, state=whole.profiles.at(CUT)) for piece in pieces(bud, CUT)]
 
 
-def test_volumes_add_up_at_the_cut(whole, parts):
+def test_volumes_of_mother_and_daughter_add_up_at_separation(whole, parts):
     volumes = [part.history.volume_um3[0] for part in parts]
     assert sum(volumes) == pytest.approx(whole.history.volume_um3[-1], rel=1e-10)
     assert min(volumes) > 5
 
 
-def test_nothing_moves_at_the_cut(bud, whole):
+def test_separation_changes_no_position_strain_or_stress(bud, whole):
     """Positions, angles, strains and stresses of both pieces are those of the whole."""
     state = whole.profiles.at(CUT)
     for piece in pieces(bud, CUT):
@@ -49,16 +49,16 @@ def test_nothing_moves_at_the_cut(bud, whole):
         np.testing.assert_array_equal(wall.growth_strain, state.growth_strain[points])
 
 
-def test_the_septum_holds_the_neck_of_the_daughter(whole, parts):
-    """And the daughter goes on to grow, faster than the mother gives way."""
+def test_the_septum_fixes_the_neck_radius_of_the_daughter(whole, parts):
+    """And the daughter grows further, while the volume of the mother is constant."""
     neck = parts[1].history.neck_radius_um
     np.testing.assert_allclose(neck, whole.history.neck_radius_um[-1], rtol=1e-12)
     assert parts[1].history.volume_um3[-1] > parts[1].history.volume_um3[0] + 0.5
     np.testing.assert_allclose(parts[0].history.volume_um3, parts[0].history.volume_um3[0])
 
 
-def test_pieces_keep_to_the_turgor_in_time(bud, whole):
-    """The mother gives way to more of it as the table of the whole cell has it."""
+def test_pieces_follow_the_pressure_table_of_the_whole_cell(bud, whole):
+    """The mother swells when the pressure in that table rises."""
     table = {"time": [0, 72, 74], "value": [0.20265, 0.20265, 0.25]}
     lower, _ = pieces(bud.with_values({"turgor.pressure": table}), CUT)
     assert lower.turgor.pressure.time == (0.0, 2.0, 4.0)
@@ -68,7 +68,7 @@ def test_pieces_keep_to_the_turgor_in_time(bud, whole):
     assert history.volume_um3[-1] > 1.004 * history.volume_um3[0]
 
 
-def test_an_unloaded_piece_is_a_clamped_cap(bud):
+def test_an_unloaded_upper_piece_is_a_clamped_cap(bud):
     """The upper piece from its unloaded wall, and the cell of that shape, to 30 min."""
     run = {"run": {"end": 30.0}, "numerics.elements": 40}
     piece = simulate(bud.with_values({**run, "septum.piece": "top"})).history
@@ -79,7 +79,7 @@ def test_an_unloaded_piece_is_a_clamped_cap(bud):
     assert piece.volume_ratio[-1] > 1.5
 
 
-def test_growth_keeps_to_its_times_after_the_cut(bud):
+def test_growth_intervals_are_shifted_to_the_time_of_separation(bud):
     lower, upper = pieces(bud.with_values({"growth.from": 10.0, "growth.until": 72.0}), CUT)
     assert upper.growth.span == (0.0, 2.0)
     assert (upper.run.end, upper.run.save) == (6.0, (6.0,))
@@ -103,7 +103,8 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
-def test_ranks_share_the_pieces(bud, mpirun):
+@pytest.mark.slow
+def test_pieces_on_two_ranks_have_the_volumes_of_one_rank(bud, mpirun):
     scene = bud.with_values({"run": {"end": 22.0}, "numerics.step": 1.0})
     text = SCRIPT.format(scene=scene.to_toml())
     alone, shared = (np.load(mpirun(text, ranks) / "volumes.npy") for ranks in (1, 2))
@@ -136,23 +137,23 @@ def test_a_state_grown_outside_the_growing_zones_is_refused(bud):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "parts"),
     [
-        (BALLOON + "[septum]", ["septum.at is missing", "where there is no neck"]),
+        (BALLOON + "[septum]", ["septum.at is missing", "there is no bud neck"]),
         (BALLOON + "[septum]\nat = 9", ["septum.at = 9", "ends at 7.85398 µm"]),
-        (BALLOON + "[septum]\nat = -1", ["septum.at = -1", "greater than 0"]),
-        (BUD + '[septum]\npiece = "left"', ["septum.piece", '"bottom", "top"']),
+        (BALLOON + "[septum]\nat = -1", ["septum.at = -1", "> 0"]),
+        (BUD + '[septum]\npiece = "left"', ["septum.piece", '"top", "bottom"']),
         (
             BALLOON.replace('shape = "sphere"\ndiameter = 5', 'shape = "disc"\ndiameter = 5')
             + "[septum]\nat = 1",
-            ["septum = {...}", "a closed cell is wanted, and a disc is none"],
+            ["septum = {...}", "requires a closed cell; a disc is open"],
         ),
     ],
 )
-def test_wrong_septa_are_told_in_one_line(text, said):
+def test_an_invalid_septum_is_refused_in_one_line(text, parts):
     with pytest.raises(SceneError) as caught:
         Scene.from_toml(text)
     message = str(caught.value)
     assert len(message.splitlines()) == 1
-    for part in said:
+    for part in parts:
         assert part in message

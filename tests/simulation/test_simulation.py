@@ -1,4 +1,4 @@
-"""A run step by step from Python, and what a notebook shows of it."""
+"""Runs step by step from Python, and their tables in a notebook."""
 
 import sys
 from types import SimpleNamespace
@@ -21,13 +21,13 @@ def whole(sphere_scene: Scene) -> Result:
     return simulate(sphere_scene.with_values({"run.save": [2.0, 8.0]}))
 
 
-def test_a_callback_hears_of_every_row(scene: Scene, whole: Result) -> None:
+def test_a_callback_gets_every_row(scene: Scene, whole: Result) -> None:
     rows: list[Row] = []
     result = simulate(scene, callback=rows.append)
     assert tuple(rows) == result.history.rows == whole.history.rows
 
 
-def test_what_a_callback_raises_comes_out(scene: Scene) -> None:
+def test_an_exception_of_a_callback_is_raised(scene: Scene) -> None:
     def stop(row: Row) -> None:
         if row.time_min > 2:
             raise ZeroDivisionError("mine")
@@ -36,7 +36,7 @@ def test_what_a_callback_raises_comes_out(scene: Scene) -> None:
         simulate(scene, callback=stop)
 
 
-def test_steps_by_hand_are_those_of_a_run(scene: Scene, whole: Result) -> None:
+def test_iterating_gives_the_rows_of_simulate(scene: Scene, whole: Result) -> None:
     with Simulation(scene) as simulation:
         rows = list(simulation)
     assert tuple(rows) == whole.history.rows
@@ -46,7 +46,7 @@ def test_steps_by_hand_are_those_of_a_run(scene: Scene, whole: Result) -> None:
     assert list(simulation) == []
 
 
-def test_a_loop_that_is_left_keeps_what_it_has(scene: Scene, whole: Result) -> None:
+def test_leaving_the_loop_interrupts_the_run_and_keeps_rows(scene: Scene, whole: Result) -> None:
     with Simulation(scene) as simulation:
         for row in simulation:
             if row.time_min > 2.5:
@@ -57,10 +57,10 @@ def test_a_loop_that_is_left_keeps_what_it_has(scene: Scene, whole: Result) -> N
     assert result.status == "interrupted" and result.message == "stopped at 3 min"
     assert result.history.rows == whole.history.rows[:4]
     assert [profile.time for profile in result.profiles] == [2, 3]
-    assert list(simulation) == []  # the block is over
+    assert list(simulation) == []  # after the block it is closed
 
 
-def test_a_loop_can_be_taken_up_again(scene: Scene, whole: Result) -> None:
+def test_iteration_continues_after_a_first_row(scene: Scene, whole: Result) -> None:
     with Simulation(scene) as simulation:
         first = next(simulation)
         rest = list(simulation)
@@ -68,7 +68,7 @@ def test_a_loop_can_be_taken_up_again(scene: Scene, whole: Result) -> None:
     assert simulation.result.status == "finished"
 
 
-def test_an_interrupt_between_two_steps_is_one(
+def test_an_interrupt_between_two_steps_ends_the_run_as_interrupted(
     scene: Scene, whole: Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     step = Simulation.__next__
@@ -84,14 +84,14 @@ def test_an_interrupt_between_two_steps_is_one(
     assert result.history.rows == whole.history.rows[:4]
 
 
-def test_an_error_in_the_loop_frees_the_solvers(scene: Scene) -> None:
+def test_an_exception_in_the_loop_ends_the_run(scene: Scene) -> None:
     with pytest.raises(ZeroDivisionError), Simulation(scene) as simulation:
         for row in simulation:
             assert 1 / (row.time_min - 3)
     assert simulation.result.message == "stopped at 3 min"
 
 
-def test_the_time_between_steps_is_not_the_loops(
+def test_time_spent_between_steps_is_not_loop_time(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from time import sleep
@@ -106,7 +106,7 @@ def test_the_time_between_steps_is_not_the_loops(
 # --- notebooks ----------------------------------------------------------------------------
 
 
-def test_results_show_as_small_tables_in_a_notebook(whole: Result) -> None:
+def test_results_are_short_tables_in_a_notebook(whole: Result) -> None:
     pytest.importorskip("pandas")
     html = whole._repr_html_()
     assert html is not None and html.count("<tr") == 3  # head, 2 min, 8 min
@@ -128,14 +128,14 @@ def test_a_message_is_escaped_in_html(whole: Result) -> None:
     assert "a &lt; b" in (replace(whole, message="a < b")._repr_html_() or "")
 
 
-def test_a_notebook_shows_text_without_pandas(
+def test_results_have_no_html_without_pandas(
     whole: Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     assert whole._repr_html_() is None
 
 
-def test_a_history_becomes_a_pandas_frame(whole: Result) -> None:
+def test_a_history_converts_to_a_pandas_frame(whole: Result) -> None:
     pandas = pytest.importorskip("pandas")
     frame = whole.history.to_frame()
     assert list(frame.columns) == list(COLUMNS)
@@ -143,12 +143,12 @@ def test_a_history_becomes_a_pandas_frame(whole: Result) -> None:
     np.testing.assert_array_equal(frame["volume_ratio"], whole.history.volume_ratio)
 
 
-def test_a_frame_gets_all_columns(whole: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_frame_has_all_columns(whole: Result, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
     assert list(whole.history.to_frame()) == list(COLUMNS)
 
 
-def test_without_pandas_a_line_says_what_to_do(
+def test_to_frame_without_pandas_says_what_to_install(
     whole: Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)

@@ -1,4 +1,4 @@
-"""Equilibrium: elastic spheres against closed forms, and how Newton's method gets there."""
+"""Equilibrium: elastic spheres against closed forms, and the convergence of Newton's method."""
 
 from contextlib import suppress
 
@@ -17,7 +17,7 @@ TOLERANCE = 1e-11  # µN
 
 
 def load(stretch: float, alpha: float) -> float:
-    """p R0/(μ h) of a spherical membrane; the energy counts per reference volume."""
+    """p R0/(μ h) of a spherical membrane; the energy is per unit reference volume."""
     return 4 / alpha * (stretch ** (alpha - 3) - stretch ** (-2 * alpha - 3))
 
 
@@ -36,11 +36,11 @@ def stretch_of(scene) -> float:
     return result.history.volume_ratio[-1] ** (1 / 3)
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 @pytest.mark.parametrize("alpha", [2.0, 3.5, -1.0])
 @pytest.mark.parametrize("pressure", [0.2, 1.0, -0.1])
 def test_elastic_sphere_has_its_closed_form(elastic_scene, alpha, pressure):
-    """Of a shell whose fibres are stretched unlike; exact but for the elements' error."""
+    """With the bending strain of the shell; exact but for the error of the elements."""
     scene = elastic_scene.with_values({"turgor.pressure": pressure, "wall.ogden_exponent": alpha})
     wanted = pressure * R0 / (MU * H)
     expected = brentq(lambda s: thick_load(s, alpha, H / R0) - wanted, 0.9, 1.25)
@@ -57,7 +57,7 @@ def test_wall_of_one_fibre_is_a_membrane(elastic_scene, pressure):
     assert stretch_of(scene) == pytest.approx(expected, abs=2e-7)
 
 
-def test_thin_shell_is_a_membrane(elastic_scene):
+def test_thin_shell_converges_to_the_membrane_with_the_square_of_its_thickness(elastic_scene):
     """The bending error of the stretch goes with (h/R)²."""
     expected = brentq(lambda s: load(s, 2.0) - 0.8, 1.0, 1.3)
     ratios, errors = np.array([0.16, 0.08, 0.04]), []
@@ -73,8 +73,8 @@ def test_thin_shell_is_a_membrane(elastic_scene):
     assert abs(errors[-1]) < 1e-3
 
 
-@pytest.mark.ranks
-def test_no_equilibrium_beyond_the_limit_point(elastic_scene):
+@pytest.mark.distributed
+def test_solver_finds_no_equilibrium_beyond_the_limit_point(elastic_scene):
     """Stretch 7^(1/6) at the limit; the shell's bending moves it by 1e-4 or so."""
     assert load(7 ** (1 / 6), 2.0) == pytest.approx(LIMIT, abs=1e-6)
     shell = build_shell(elastic_scene)
@@ -93,7 +93,7 @@ def test_no_equilibrium_beyond_the_limit_point(elastic_scene):
             equilibrium.solve()
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 def test_compliance_is_the_slope_of_the_volume(elastic_scene):
     shell = build_shell(elastic_scene)
     volumes = []
@@ -107,8 +107,8 @@ def test_compliance_is_the_slope_of_the_volume(elastic_scene):
 
 
 @pytest.mark.parametrize("pressure", [2.5, 20.0])
-def test_failure_is_told_and_leaves_the_shell_as_it_was(fine_scene, pressure):
-    """Bit for bit, with an implicit stage on; the next solution is not the worse for it."""
+def test_failed_solution_has_a_reason_and_leaves_the_shell_unchanged(fine_scene, pressure):
+    """Bit for bit, in an implicit stage; the next solution succeeds."""
     shell = build_shell(fine_scene)
     shell.pressure.value = 0.20265
     with Equilibrium(shell, TOLERANCE) as equilibrium:
@@ -131,7 +131,7 @@ def test_failure_is_told_and_leaves_the_shell_as_it_was(fine_scene, pressure):
 
 @pytest.fixture
 def growing(fine_scene):
-    """A bud under turgor at the end of an implicit stage of 4 min; a solver with new tangents."""
+    """A bud under turgor at the end of an implicit stage of 4 min, and Newton's method."""
     shell = build_shell(fine_scene)
     shell.pressure.value = 0.20265
     with Equilibrium(shell, TOLERANCE, reuse_threshold=0.0) as equilibrium:
@@ -143,7 +143,7 @@ def growing(fine_scene):
 
 
 def reductions(shell, equilibrium: Equilibrium) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals before and after the first iteration, from ever nearer to the solution."""
+    """Residuals before and after the first iteration, from ever closer to the solution."""
     w, direction = shell.w.x.array.copy(), np.zeros(len(shell.w.x.array))
     S, dofs = dx.node_dofs(shell.space)
     direction[dofs[:, 0]] = np.sin(S / R0)
@@ -153,7 +153,7 @@ def reductions(shell, equilibrium: Equilibrium) -> tuple[np.ndarray, np.ndarray]
         norms: list[float] = []
         equilibrium.snes.setMonitor(lambda snes, iteration, norm, into=norms: into.append(norm))
         shell.w.x.array[:] = w + size * direction
-        with suppress(EquilibriumError):  # one iteration is all that is asked for
+        with suppress(EquilibriumError):  # only the first iteration matters
             equilibrium.solve()
         equilibrium.snes.cancelMonitor()
         pairs.append(norms[:2])
@@ -172,7 +172,7 @@ def test_newton_converges_quadratically_with_growth_in_its_stage(growing):
 
 
 def test_newton_is_linear_without_the_consistent_tangent(growing):
-    """The order fitted above is owed to the derivative of the growth update."""
+    """The order above depends on the derivative of the growth update."""
     shell, equilibrium = growing
 
     def held(snes, x, J, P):
@@ -183,8 +183,8 @@ def test_newton_is_linear_without_the_consistent_tangent(growing):
 
 
 @pytest.mark.parametrize("order", [1, 3])
-def test_shear_penalty_costs_no_iterations(fine_scene, order):
-    """From κ = 10 to no shear at all: the count differs by one at most, and the volumes close."""
+def test_iterations_do_not_depend_on_the_shear_penalty(fine_scene, order):
+    """From κ = 10 to no shear: counts differ by at most one, and the volumes converge."""
     counts, volumes = [], []
     for kappa in (10.0, 1e3, 1e6, float("inf")):
         scene = fine_scene.with_values(

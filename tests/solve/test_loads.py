@@ -1,4 +1,4 @@
-"""Forces at poles and on rings, the paths that they lead along, and pressure at a free edge."""
+"""Forces at poles and on rings, their equilibrium paths, and pressure at a free edge."""
 
 import numpy as np
 import pytest
@@ -34,10 +34,10 @@ def sphere() -> Scene:
     return Scene.from_toml(SPHERE)
 
 
-def test_a_sphere_gives_way_to_two_point_forces(sphere):
+def test_point_forces_indent_a_sphere_by_reissners_stiffness(sphere):
     """The force on the top pole, its reaction on the bottom pole.
 
-    Of the whole sphere the next term, 0.23 - 0.27 ln(h/R) times h/R = 0.01, takes off 1.5 %.
+    Of the whole sphere the next term, 0.23 - 0.27 ln(h/R) times h/R = 0.01, reduces it by 1.5 %.
     """
     row = simulate(sphere).history.rows[-1]
     assert row.force_uN == -1e-7
@@ -54,8 +54,8 @@ def path(scene: Scene, control: str, steps: int = 20, **until: float):
 
 
 @pytest.mark.parametrize("pressure", [0.0, 0.05])
-def test_all_controls_indent_along_one_path(sphere, pressure):
-    """With and without a turgor that is held, which stiffens the sphere."""
+def test_all_controls_of_a_force_follow_the_same_path(sphere, pressure):
+    """With and without a constant turgor, which stiffens the sphere."""
     scene = sphere.with_values({"turgor.pressure": pressure})
     by_displacement = path(scene, "displacement", displacement=-0.06).history
     end = by_displacement.force_uN[-1]
@@ -70,7 +70,7 @@ def test_all_controls_indent_along_one_path(sphere, pressure):
     assert slopes[0] > 1.2 * STIFFNESS / 2 if pressure else slopes[0] < STIFFNESS / 2
 
 
-def test_a_held_force_bends_the_path_of_pressure(sphere):
+def test_path_of_pressure_starts_in_equilibrium_under_a_constant_force(sphere):
     pulled = sphere.with_values({"load.point_force": 2e-5})
     result = path(pulled, "volume", volume_ratio=1.02)
     assert result.status == "finished" and (result.history.force_uN == 2e-5).all()
@@ -81,7 +81,7 @@ CYLINDER = {"shape": "cylinder", "diameter": 2 * R, "length": 8.0, "edge": "roll
 
 
 @pytest.mark.parametrize("at", [4.0, 2.0])
-def test_a_ring_force_stretches_and_presses_a_cylinder(sphere, at):
+def test_ring_force_displaces_a_cylinder_as_two_bars(sphere, at):
     """Two bars side by side, ν = 0: k = 2πR E h (1/a + 1/b)."""
     load = {"ring_force": 1e-6, "at": at}
     scene = sphere.with_values({"cell": CYLINDER, "wall.poisson_ratio": 0.0, "load": load})
@@ -96,7 +96,7 @@ RING = {"shape": "cone", "outer_diameter": 4.0, "inner_diameter": 1.0, "height":
 
 
 def annulus(q: float, a: float = 2.0, b: float = 0.5) -> float:
-    """Deflection of the free inner edge of a plate clamped outside, under q on the ring alone.
+    """Deflection of the free inner edge of a plate clamped outside, under q only on the ring.
 
     w = A + B r² + C ln r + D r² ln r + q r⁴/64K of the plate equation.
     """
@@ -124,7 +124,7 @@ def test_pressure_does_not_act_on_the_opening_of_a_free_edge(sphere):
 
 
 def test_pressure_at_a_free_edge_has_a_consistent_tangent(sphere):
-    """By differences of the residual; and the column of volume control by pressure."""
+    """By differences of the residual; also the column of bordered Newton for the pressure."""
     cell = {**RING, "height": 0.7}
     shell = build_shell(sphere.with_values({"cell": cell, "load": None, "numerics.elements": 6}))
     random = np.random.default_rng(5)
@@ -156,38 +156,38 @@ def test_pressure_at_a_free_edge_has_a_consistent_tangent(sphere):
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"load": {}}, "load = {...}: either point_force or ring_force is wanted"),
+        ({"load": {}}, "load = {...}: expected either point_force or ring_force"),
         ({"load.ring_force": 1.0}, "either point_force or ring_force"),
-        ({"load.point_force": "1 MPa"}, 'load.point_force = "1 MPa": a force is wanted, e.g. "1'),
-        ({"load.pole": "left"}, 'load.pole = "left": allowed: "top", "bottom"'),
+        ({"load.point_force": "1 MPa"}, 'load.point_force = "1 MPa": expected a force, e.g. "1'),
+        ({"load.pole": "left"}, 'load.pole = "left": expected one of "top", "bottom"'),
         ({"load.force": 1.0}, "load.force = 1.0: unknown key"),
         ({"load.at": 1.0}, "load.at = 1.0: a point force acts at a pole"),
-        ({"load": {"ring_force": 1.0}}, "load.at is missing: the arc length of the ring"),
-        ({"load": {"ring_force": 1.0, "at": 7.0}}, "load.at = 7.0: an arc length less than"),
+        ({"load": {"ring_force": 1.0}}, "load.at is missing: expected the arc length of the ring"),
+        ({"load": {"ring_force": 1.0, "at": 7.0}}, "load.at = 7.0: must be less than the meridian"),
         ({"cell": CYLINDER}, "load.pole"),
-        ({"wall.bending": False}, "load.point_force = -1e-07: a membrane gives way"),
+        ({"wall.bending": False}, "load.point_force = -1e-07: a membrane cannot carry a point"),
         ({"load": None, "path": {"until": {"force": 1.0}}}, "load"),
-        ({"path": {"until": {"force": 1.0, "pressure": 1.0}}}, "one of volume_ratio"),
+        ({"path": {"until": {"force": 1.0, "pressure": 1.0}}}, "exactly one of volume_ratio"),
         ({"path": {"until": {"force": 1.0}, "control": "volume"}},
-         'path.control = "volume": a path until a force is controlled by force, displacement or'),
+         'path.control = "volume": a path to a force needs one of "force", "displacement", "arc'),
         ({"path": {"until": {"volume_ratio": -1.0}}}, "path.until.volume_ratio = -1.0"),
     ],
 )  # fmt: skip
-def test_loads_that_cannot_be_are_told_in_one_line(sphere, values, said):
+def test_impossible_loads_are_reported_on_one_line(sphere, values, said):
     with pytest.raises(SceneError) as caught:
         sphere.with_values(values)
     assert said in str(caught.value) and len(str(caught.value).splitlines()) == 1
 
 
-def test_a_load_is_written_and_read_back(sphere):
+def test_load_is_the_same_after_writing_and_reading(sphere):
     again = Scene.from_toml(sphere.to_toml())
     assert again == sphere and again.axial_load.force == -1e-7
     milli = sphere.with_values({"load.point_force": "-0.5 nN"})
     assert milli.axial_load.force == -5e-4
 
 
-def test_forces_and_membranes_on_two_ranks_are_those_on_one(sphere, mpirun):
-    """The rank that owns the node knows its displacement; all ranks are told."""
+def test_forces_and_membranes_are_the_same_on_two_ranks(sphere, mpirun):
+    """The rank that owns the node broadcasts its displacement."""
     indented = sphere.with_values({"path": {"until": {"displacement": -0.01}, "steps": 2}})
     disc = {"shape": "disc", "diameter": 4.0}
     values = {"cell": disc, "load": None, "wall.bending": False, "turgor.pressure": 0.01}
@@ -200,8 +200,8 @@ def test_forces_and_membranes_on_two_ranks_are_those_on_one(sphere, mpirun):
     folder = mpirun(text, 2)
     for i, scene in enumerate(scenes):
         row = simulate(scene).history.rows[-1]
-        told = [(folder / f"{i}-{rank}.txt").read_text() for rank in range(2)]
-        assert told[0] == told[1]
-        found = list(map(float, told[0].split()))
+        texts = [(folder / f"{i}-{rank}.txt").read_text() for rank in range(2)]
+        assert texts[0] == texts[1]
+        found = list(map(float, texts[0].split()))
         expected = [row.volume_um3, row.force_uN, row.displacement_um]
         assert found == pytest.approx(expected, rel=1e-6, abs=1e-12)

@@ -9,12 +9,14 @@ import pytest
 from support.command import call
 
 from fenics_yeast import simulate
+from fenics_yeast.output import read_summary
 from fenics_yeast.output.folder import OutputFolder
-from fenics_yeast.output.reading import read_error_bars
 from fenics_yeast.scene import StaticPath, Until
 from fenics_yeast.simulation import Timings
 from fenics_yeast.studies import error_bars as module
 from fenics_yeast.studies.error_bars import estimate_error_bars, refinements
+
+pytestmark = pytest.mark.slow
 
 PARTS = ("time_steps", "mesh", "thickness_points", "shear_penalty")
 
@@ -131,7 +133,7 @@ def test_nothing_is_refined_that_has_no_error(cell_scene):
     assert 0 < bars.total[0] < 1e-4
 
 
-def test_a_refined_run_that_loses_equilibrium_is_told(cell_scene):
+def test_a_refined_run_that_loses_equilibrium_is_reported(cell_scene):
     """Long implicit steps lose it later than short ones."""
     changes = {
         "numerics.integrator": "backward-euler",
@@ -144,7 +146,7 @@ def test_a_refined_run_that_loses_equilibrium_is_told(cell_scene):
     result = simulate(scene)
     assert result.status == "finished"
     bars = estimate_error_bars(scene, result)
-    assert "time steps refined: beyond 93.5" in bars.message
+    assert "time steps refined: no equilibrium beyond 93.5" in bars.message
     assert "no equilibrium" in bars.message
     assert not np.isnan(bars.total[0])
     assert np.isnan(bars.time_steps[1]) and np.isnan(bars.total[1])
@@ -166,7 +168,7 @@ def test_a_path_has_no_bars(cell_scene):
     scene = cell_scene.with_values({"growth": None, "run": None, "path": path})
     bars = estimate_error_bars(scene, simulate(scene))
     assert len(bars.total) == 0
-    assert "a path has no times" in bars.message
+    assert "an equilibrium path has no saved times" in bars.message
 
 
 def test_an_interrupted_refinement_interrupts(cell_scene, monkeypatch):
@@ -190,7 +192,7 @@ def test_bars_go_through_the_output_folder(cell_scene, tmp_path):
     written = json.loads((tmp_path / "run.json").read_text())["error_bars"]
     assert list(written) == ["time_min", *PARTS, "total", "message"]
     assert written["mesh"] == written["total"] == [None]
-    read = read_error_bars(tmp_path)
+    read = read_summary(tmp_path).error_bars
     assert read.time_steps == found.time_steps and np.isnan(read.total[0])
 
 

@@ -11,51 +11,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.command import COMMAND, hear, lines, wait_for
+from support import command
+from support.command import lines, wait_for
+from support.scenes import SMALL
 
 from fenics_yeast import Scene, SceneError, simulate
-from fenics_yeast.output.reading import read_history, read_status
+from fenics_yeast.output import read_history, read_summary
 from fenics_yeast.scene import unit_symbol
 from fenics_yeast.studies.cases import parse_variation, plan
 
-# Marks of a process that has initialised MPI, which those that it starts must not inherit.
-ENVIRONMENT = {
-    name: value
-    for name, value in os.environ.items()
-    if not name.startswith(("OMPI_COMM", "OMPI_UNIVERSE", "PMIX", "PMI_", "ORTE", "PRTE_LAUNCHED"))
-}
-
-# The forms of the paper's preset, on few cells and with long steps.
-SCENE = """\
-title = "Test bud"
-[cell]
-shape = "sphere"
-diameter = "5 um"
-[wall]
-thickness = "100 nm"
-shear_modulus = "40 MPa"
-[turgor]
-pressure = "2 atm"
-[growth]
-zone = { pole = "top", half_angle = 24.0 }
-threshold = "1 MPa"
-time = "45 min"
-[run]
-end = "8 min"
-save = [4, 8]
-[numerics]
-preset = "paper"
-elements = 60
-step = "2 min"
-"""
+SCENE = SMALL.replace("20 min", "8 min").replace("[10, 20]", "[4, 8]")
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working directory, with a scene in it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bud.toml").write_text(SCENE)
-    return tmp_path
+def here(here: Path) -> Path:
+    """The working directory, with a short scene in it."""
+    (here / "small.toml").write_text(SCENE)
+    return here
 
 
 @pytest.fixture(scope="module")
@@ -63,19 +35,16 @@ def bud() -> Scene:
     return Scene.from_toml(SCENE)
 
 
+SWEEP = ("sweep", "small.toml", "--out", "sweep")
+
+
 def start(*arguments: str) -> subprocess.Popen[str]:
     """Start a sweep as a process group of its own, as a terminal does."""
-    pipe = subprocess.PIPE
-    return subprocess.Popen(
-        [*COMMAND, "sweep", "bud.toml", "--out", "sweep", *arguments], env=ENVIRONMENT,
-        stdout=pipe, stderr=pipe, text=True, preexec_fn=hear, start_new_session=True,
-    )  # fmt: skip
+    return command.start(*SWEEP, *arguments, start_new_session=True)
 
 
-def sweep(*arguments: str, timeout: float = 120) -> subprocess.CompletedProcess[str]:
-    process = start(*arguments)
-    output, errors = process.communicate(timeout=timeout)
-    return subprocess.CompletedProcess(arguments, process.returncode, output, errors)
+def sweep(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return command.finish(*SWEEP, *arguments, start_new_session=True)
 
 
 def table(folder: Path) -> list[dict[str, str]]:
@@ -130,19 +99,19 @@ def test_cases_are_the_product_of_the_lists(bud: Scene) -> None:
         ("growth.time=", "write TABLE.KEY"),
         ("=3", "write TABLE.KEY"),
         ("growth.time=30,,45", "write TABLE.KEY"),
-        ("growth.time=30:45", "a range is A:B:N"),
-        ("growth.time=30:45:1", "a range is A:B:N"),
-        ("growth.time=30:45:1e9", "a range is A:B:N"),
-        ("growth.time=a:b:3", "a range is A:B:N"),
+        ("growth.time=30:45", "write a range as A:B:N"),
+        ("growth.time=30:45:1", "write a range as A:B:N"),
+        ("growth.time=30:45:1e9", "write a range as A:B:N"),
+        ("growth.time=a:b:3", "write a range as A:B:N"),
         ("growth.time=30 min:1 h:3", "in one unit"),
         ("growth.tim=30", "did you mean growth.time?"),
-        ("growth.time=45,-3", "growth.time = -3: a time greater than 0"),
-        ("growth.time=1 MPa:2 MPa:2", "a time greater than 0"),
-        ("numerics.elements=10:20:4", "a whole number"),
+        ("growth.time=45,-3", "growth.time = -3: expected a time > 0"),
+        ("growth.time=1 MPa:2 MPa:2", "expected a time > 0"),
+        ("numerics.elements=10:20:4", "expected an integer"),
         ("wall.thickness=1:9:3", "less than the cell's radius"),
     ],
 )
-def test_what_cannot_be_planned_is_told_in_a_line(bud: Scene, text: str, words: str) -> None:
+def test_an_invalid_plan_is_refused_in_one_line(bud: Scene, text: str, words: str) -> None:
     with pytest.raises(SceneError) as refusal:
         plan(bud, [parse_variation(text)])
     assert words in str(refusal.value) and "\n" not in str(refusal.value)
@@ -151,6 +120,8 @@ def test_what_cannot_be_planned_is_told_in_a_line(bud: Scene, text: str, words: 
 # Running --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
+@pytest.mark.process
 def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) -> None:
     vary = ("--vary", "growth.time=30,45", "--vary", "growth.threshold=0.9 MPa:1.1 MPa:2")
     done = sweep(*vary, "--jobs", "2", "--set", "run.save=[2,8]")
@@ -176,13 +147,15 @@ def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) 
         )
         assert (row["status"], float(row["end_time_min"])) == ("finished", 8)
         assert float(row["wall_s"]) > 0
-    plot = subprocess.run([*COMMAND, "plot", "sweep"], capture_output=True, text=True, check=True)
+    plot = command.finish("plot", "sweep")
     assert plot.stdout == "sweep/sweep.png\n"
     case = f"sweep/{rows[0]['case']}"
-    plot = subprocess.run([*COMMAND, "plot", case], capture_output=True, text=True, check=True)
+    plot = command.finish("plot", case)
     assert f"{case}/figures/shapes.png" in plot.stdout
 
 
+@pytest.mark.slow
+@pytest.mark.process
 def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
     assert sweep("--vary", "growth.time=30,45", "--jobs", "1").returncode == 0
     folders = {time: here / "sweep" / f"growth.time={time}" for time in (30, 45, 60)}
@@ -191,35 +164,38 @@ def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
     text = (folders[45] / "scene.toml").read_text()
     (folders[45] / "scene.toml").write_text(text.replace("thickness = 0.1", "thickness = 0.11"))
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
-    assert done.stdout.startswith("1 of 3 cases are finished already\n2/3  growth.time=45")
+    assert done.stdout.startswith("1 of 3 cases are already finished\n2/3  growth.time=45")
     new = {time: folders[time].joinpath("run.json").stat().st_mtime_ns for time in folders}
     assert new[30] == old[30] and new[45] > old[45]
     assert [row["growth.time"] for row in table(here)] == ["30.0", "45.0", "60.0"]
     folders[60].joinpath("run.json").write_text("{")
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
-    assert done.stdout.startswith("2 of 3 cases are finished already\n3/3  growth.time=60")
-    assert read_status(folders[60]) == "finished"
+    assert done.stdout.startswith("2 of 3 cases are already finished\n3/3  growth.time=60")
+    assert read_summary(folders[60]).status == "finished"
 
 
+@pytest.mark.process
 def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
     blocked = here / "sweep" / "growth.time=45"
     blocked.mkdir(parents=True)
     (blocked / "history.csv").write_text("precious")
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1", "--quiet")
     assert (done.returncode, done.stdout) == (4, "")
-    assert done.stderr == "error: 1 of 3 cases failed, growth.time=45 the first\n"
+    assert done.stderr == "error: 1 of 3 cases failed; the first is growth.time=45\n"
     rows = table(here)
     assert [row["status"] for row in rows] == ["finished", "failed", "finished"]
-    assert "holds a history.csv that no run has left" in rows[1]["message"]
+    assert "its history.csv is not from a run" in rows[1]["message"]
     assert (blocked / "history.csv").read_text() == "precious"
 
 
+@pytest.mark.process
 def test_no_equilibrium_is_an_answer(here: Path) -> None:
     done = sweep("--vary", "turgor.pressure=0.2,2", "--jobs", "1", "--quiet")
     assert (done.returncode, done.stderr) == (0, "")
     assert [row["status"] for row in table(here)] == ["finished", "no-equilibrium"]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -227,31 +203,34 @@ def test_no_equilibrium_is_an_answer(here: Path) -> None:
         (("--vary", "growth.time=3,-3"), "growth.time = -3"),
         (("--vary", "growth.time=3", "--vary", "growth.time=4"), "given twice"),
         (("--vary", "growth.time=3", "--set", "growth.tim=4"), "did you mean growth.time?"),
-        (("--vary", "growth.time=3", "--out", "bud.toml"), "bud.toml: is a file"),
+        (("--vary", "growth.time=3", "--out", "small.toml"), "small.toml: is a file"),
     ],
 )
-def test_what_is_wrong_is_told_before_anything_runs(
+def test_errors_are_reported_before_anything_runs(
     here: Path, arguments: tuple[str, ...], words: str
 ) -> None:
     done = sweep(*arguments)
     assert (done.returncode, done.stdout) == (2, "")
     assert words in done.stderr and done.stderr.count("\n") == 1
-    assert [path.name for path in here.iterdir()] == ["bud.toml"]
+    assert [path.name for path in here.iterdir()] == ["small.toml"]
 
 
-def test_a_table_of_somebody_else_is_not_overwritten(here: Path) -> None:
+@pytest.mark.process
+def test_a_table_that_is_not_from_a_sweep_is_not_overwritten(here: Path) -> None:
     (here / "sweep").mkdir()
     (here / "sweep" / "sweep.csv").write_text("my,own\n1,2\n")
     done = sweep("--vary", "growth.time=3")
-    assert done.returncode == 2 and "no table that a sweep has left" in done.stderr
+    assert done.returncode == 2 and "not the table of a sweep" in done.stderr
     assert (here / "sweep" / "sweep.csv").read_text() == "my,own\n1,2\n"
 
 
 # Interrupted and killed -----------------------------------------------------------------------
 
-LONG = ("--set", "numerics.step=0.01")  # some seconds each
+LONG = ("--set", "numerics.step=0.005")  # some seconds each
 
 
+@pytest.mark.slow
+@pytest.mark.process
 @pytest.mark.parametrize("to_all", [True, False])
 def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_all: bool) -> None:
     """A terminal interrupts every process; a batch system ends the first one."""
@@ -265,12 +244,12 @@ def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_
     output, errors = process.communicate(timeout=30)
     assert (process.returncode, output) == (130, "")
     # MPI's own daemon may have said something before.
-    assert errors.splitlines()[-1] == "interrupted; the same command goes on from here"
+    assert errors.splitlines()[-1] == "interrupted; rerun the same command to continue"
     kept = {}
     for folder in (first, second):
-        assert read_status(folder) == "interrupted"
+        assert read_summary(folder).status == "interrupted"
         kept[folder] = read_history(folder).rows
-        assert 4 < len(kept[folder]) < 800
+        assert 4 < len(kept[folder]) < 1600
     assert not (here / "sweep" / "growth.time=60").exists()
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "2", *LONG)
     assert done.returncode == 0
@@ -278,7 +257,7 @@ def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_
     for folder in (first, second):  # gone on with, not begun again
         assert read_history(folder).rows[: len(kept[folder])] == kept[folder]
         assert read_history(folder).rows[-1].time_min == 8
-        assert read_history(folder).rows[len(kept[folder])].step_min == pytest.approx(0.01)
+        assert read_history(folder).rows[len(kept[folder])].step_min == pytest.approx(0.005)
 
 
 def runs(process: int) -> bool:
@@ -296,14 +275,15 @@ def children(process: subprocess.Popen[str]) -> list[int]:
         if entry.name.isdecimal():
             try:
                 parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
-                command = (entry / "cmdline").read_text()
+                called = (entry / "cmdline").read_text()
             except OSError:
                 continue
-            if parent == process.pid and "spawn_main" in command:
+            if parent == process.pid and "spawn_main" in called:
                 found.append(int(entry.name))
     return found
 
 
+@pytest.mark.process
 def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
     """Whoever is killed twice is to blame; the others run again."""
     process = start("--vary", "numerics.step=0.002,2,4", "--jobs", "1")
@@ -313,12 +293,13 @@ def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
         os.kill(child, signal.SIGKILL)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 4
-    assert errors == "error: 1 of 3 cases failed, numerics.step=0.002 the first\n"
+    assert errors == "error: 1 of 3 cases failed; the first is numerics.step=0.002\n"
     rows = table(here)
     assert [row["status"] for row in rows] == ["failed", "finished", "finished"]
     assert "process was killed" in rows[0]["message"]
 
 
+@pytest.mark.process
 def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
     process = start("--vary", "growth.time=30,45", "--jobs", "2", *LONG)
     wait_for(lambda: lines(here / "sweep" / "growth.time=45") > 5, process)
@@ -332,6 +313,8 @@ def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.slow
+@pytest.mark.process
 def test_many_cases_in_one_process_take_the_memory_of_a_few(bud: Scene) -> None:
     """A run that leaves its solver behind costs 30 kB each time."""
     code = """
@@ -364,7 +347,7 @@ def test_ranks_share_the_cases(here: Path, mpirun: Callable[[str, int], Path]) -
     script = f"""
 import sys
 from fenics_yeast.command.main import main
-sys.argv[1:] = ["sweep", {str(here / "bud.toml")!r}, "--vary", "growth.time=30:60:7", "--out",
+sys.argv[1:] = ["sweep", {str(here / "small.toml")!r}, "--vary", "growth.time=30:60:7", "--out",
                 "sweep"]
 main()
 """

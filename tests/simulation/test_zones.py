@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from support.scenes import BUD
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.mechanics import growth_laws as growth
-from fenics_yeast.scene import SceneError
 from fenics_yeast.simulation import build as scene_laws
 from fenics_yeast.simulation.discretise import discretise
 
@@ -17,7 +15,7 @@ GROWTH = {"threshold": 1.0, "time": 45.0}
 
 @pytest.fixture(scope="module")
 def coarse(cell_scene: Scene) -> Scene:
-    """The bud on few cells of the default kind, to 30 min in fixed steps."""
+    """The bud on few elements of the default order, to 30 min in fixed steps."""
     numerics = {"elements": 16, "order": 4, "thickness_points": 3, "step": 2.0}
     return cell_scene.with_values({"numerics": numerics, "run": {"end": 30.0}})
 
@@ -42,7 +40,7 @@ def test_zones_at_both_poles_grow_a_symmetric_cell(coarse):
 
 @pytest.mark.parametrize("geometry", ["curved", "conical"])
 def test_equal_zones_side_by_side_are_their_union(coarse, geometry):
-    """On the same nodes, of which the edge between the two is one."""
+    """On the same nodes; the edge between the two is a node."""
     halves = {"numerics.grading": "uniform", "numerics.elements": 30, "numerics.geometry": geometry}
     scene = coarse.with_values(halves)
     parts = [{"from_fraction": 0.8, "to_fraction": 0.9}, {"from_fraction": 0.9, "to_fraction": 1.0}]
@@ -61,7 +59,7 @@ def test_equal_zones_side_by_side_are_their_union(coarse, geometry):
         {"from_fraction": 1 - 24 / 180, "to_fraction": 1.0},
     ],
 )
-def test_a_zone_is_the_same_however_it_is_given(coarse, zone):
+def test_a_zone_by_angle_position_or_fraction_is_the_same(coarse, zone):
     cut, same = (discretise(s) for s in (coarse, coarse.with_values({"growth.zone": zone})))
     np.testing.assert_allclose(same.nodes, cut.nodes, rtol=1e-12)
     (part,) = same.growing
@@ -69,7 +67,7 @@ def test_a_zone_is_the_same_however_it_is_given(coarse, zone):
 
 
 def test_each_zone_has_its_own_threshold_and_time(coarse):
-    """One never grows; one is as it would be alone, in half the time for half its own time."""
+    """One never grows; the other grows as without it, in half the time at half the growth time."""
     top = {"zone": {"pole": "top", "half_angle": 24}, "time": 22.5}
     idle = {"zone": {"from": 1.0, "to": 2.0}, "threshold": 50.0}
     scene = coarse.with_values({"numerics.elements": 40, "numerics.step": 1.0, "run.end": 15})
@@ -84,12 +82,9 @@ def test_each_zone_has_its_own_threshold_and_time(coarse):
     assert result.history.max_growth_strain[-1] > 0.02
 
 
-# --- when they grow -----------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("integrator", ["forward-euler", "backward-euler", "sdirk3"])
-def test_growth_ends_and_holds_its_volume(coarse, integrator):
-    """The time of the end is a step's; up to it nothing is other than without an end."""
+def test_the_volume_is_constant_after_growth_has_ended(coarse, integrator):
+    """A step ends at that time; until then the volume is that of growth without an end."""
     numerics = {"numerics.integrator": integrator, "numerics.step": 0.5}
     scene = coarse.with_values({**numerics, "run": {"end": 8.0, "save": [4.0, 8.0]}})
     always = simulate(scene).history
@@ -103,7 +98,7 @@ def test_growth_ends_and_holds_its_volume(coarse, integrator):
 
 @pytest.mark.parametrize("integrator", ["forward-euler", "sdirk3"])
 def test_growth_that_begins_late_is_growth_shifted_in_time(coarse, integrator):
-    """With adaptive steps; those before growth go to its beginning in one."""
+    """With adaptive steps, of which few are taken before growth begins."""
     numerics = {"numerics.integrator": integrator, "numerics.step": None}
     run = {"end": 4.0, "save": [4.0]}
     scene = coarse.with_values({**numerics, "run": run, "numerics.tolerance": 1e-3})
@@ -115,80 +110,8 @@ def test_growth_that_begins_late_is_growth_shifted_in_time(coarse, integrator):
     assert late.volume_ratio[-1] - late.volume_ratio[0] == pytest.approx(grown, rel=5e-3)
 
 
-# --- in a scene ---------------------------------------------------------------------------
-
-
-def with_growth(text: str) -> str:
-    start, end = BUD.index("[growth]"), BUD.index("[run]")
-    return f"{BUD[:start]}{text}\n{BUD[end:]}"
-
-
-LIST = """[[growth]]
-zone = { from = "1 um", to = "2 um" }
-threshold = 1
-time = 45
-[[growth]]
-zone = { pole = "top", half_angle = 24 }
-threshold = 1
-time = 30
-from = "10 min"
-until = "1 h"
-"""
-
-
-def test_lists_of_zones_go_in_and_out_and_can_be_changed():
-    scene = Scene.from_toml(with_growth(LIST))
-    assert Scene.from_toml(scene.to_toml()) == scene
-    assert [growth.span for growth in scene.growing] == [(0, np.inf), (10, 60)]
-    changed = scene.with_values({"growth.0.time": 20, "growth.1.zone.half_angle": 12})
-    assert changed.growth_time == 20
-    assert changed.growth[1].zone.half_angle == 12
-    assert scene.growth_time == 30
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ('to = "2 um"', 'to = "0.5 um"', ["growth[0].zone.to", "more than from (1)"]),
-        ('to = "2 um"', 'to = "8 um"', ["growth[0].zone = ", "the meridian ends at 7.85398 µm"]),
-        ('to = "2 um"', 'to = "7 um"', ["growth[1].zone = ", "zones must not overlap"]),
-        ('to = "2 um"', "half_angle = 3", ["growth[0].zone.", "either pole and half_angle, from"]),
-        ('from = "1 um", ', "", ["growth[0].zone.from is missing", "a length at least 0"]),
-        ('zone = { from = "1 um", to = "2 um" }', "zone = {}", ["growth[0].zone", "are wanted"]),
-        ('"top"', '"left"', ['growth[1].zone.pole = "left"', '"top", "bottom", "both"']),
-        ('"10 min"', '"2 h"', ['growth[1].until = "1 h"', "a time after from (120 min)"]),
-        ("time = 30", "tim = 30", ["growth[1].tim", "growth[1].time"]),
-        ("threshold = 1\ntime = 45", "time = 45", ["growth[0].threshold is missing", "pressure"]),
-    ],
-)
-def test_wrong_zones_are_told_in_one_line(old, new, said):
-    assert LIST.count(old) == 1
-    with pytest.raises(SceneError) as caught:
-        Scene.from_toml(with_growth(LIST.replace(old, new)))
-    message = str(caught.value)
-    assert len(message.splitlines()) == 1
-    for part in said:
-        assert part in message
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ("growth.2.time", "growth.2.time = 3: 2 is no entry; they are 0 to 1"),
-        ("growth.time", "growth.time = 3: time is no entry; they are 0 to 1"),
-    ],
-)
-def test_changes_of_no_entry_are_told_in_one_line(change, said):
-    scene = Scene.from_toml(with_growth(LIST))
-    with pytest.raises(SceneError, match=said):
-        scene.with_values({change: 3})
-
-
-# --- what it costs ------------------------------------------------------------------------
-
-
-def test_a_scene_pays_for_nothing_that_it_does_not_use(coarse):
-    """One zone, or several alike: thresholds and times are constants, and there is no weight."""
+def test_equal_zones_give_constant_parameters_and_no_weight(coarse):
+    """Of one zone or several alike; only what differs between zones becomes a function."""
     alike = [{**GROWTH, "zone": {"pole": pole, "half_angle": 24}} for pole in ("top", "bottom")]
     for scene in (coarse, coarse.with_values({"growth": alike})):
         cut = discretise(scene)

@@ -1,4 +1,4 @@
-"""Growth in time: a sphere against its ODE, orders of the integrators, steps that fail."""
+"""Growth in time: a sphere against its ODE, orders of the methods, failed steps."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -47,15 +47,14 @@ def sphere_errors(sphere_scene, read_table):
 
 
 def test_growing_sphere_follows_the_ode(sphere_errors):
-    """The wall's bending is all that lies between; the outer fibres grow a little more."""
+    """The difference is the wall's bending: the outer fibres grow a little more."""
     volumes, growth = sphere_errors[0.04]
     assert np.all(np.abs(volumes[:-2]) < 1e-4)  # to 8 min, V/V0 = 4.3
     assert np.all(np.abs(volumes) < 4e-4)  # to 11 min, V/V0 = 15
     assert np.all(np.abs(growth) < 4e-3)
 
 
-def test_thinner_sphere_is_closer_to_the_ode(sphere_errors):
-    """By (h/R)²."""
+def test_error_against_the_ode_falls_with_the_square_of_the_thickness(sphere_errors):
     thick, thin = sphere_errors[0.04][0], sphere_errors[0.02][0]
     np.testing.assert_allclose(thick / thin, 4, rtol=0.05)
 
@@ -63,6 +62,7 @@ def test_thinner_sphere_is_closer_to_the_ode(sphere_errors):
 # --- integrators --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", get_args(Integrator))
 def test_integrator_has_its_order(sphere_scene, name):
     """Fitted to the differences of V/V0 at 2 min between steps and half of them."""
@@ -78,8 +78,8 @@ def test_integrator_has_its_order(sphere_scene, name):
     assert fitted == pytest.approx(order, abs=0.12)
 
 
-def test_euler_methods_close_in_on_the_solution_from_both_sides(sphere_scene, read_table):
-    """The rate rises with time: the explicit method lags behind, the implicit one runs ahead."""
+def test_euler_methods_bracket_the_solution(sphere_scene, read_table):
+    """The rate increases with time: the explicit method is too slow, the implicit one too fast."""
     wanted = float(read_table("sphere_ode.csv")[2]["volume_ratio"])  # at 2 min
     volumes = {}
     for name in ("forward-euler", "backward-euler"):
@@ -89,7 +89,7 @@ def test_euler_methods_close_in_on_the_solution_from_both_sides(sphere_scene, re
     assert np.mean(list(volumes.values())) == pytest.approx(wanted, rel=1e-3)
 
 
-def test_time_enters_as_a_part_of_the_growth_time(fine_scene):
+def test_time_enters_only_as_a_fraction_of_the_growth_time(fine_scene):
     """Curves for t_grw = 30, 45 and 60 min are one curve in t/t_grw."""
     curves = []
     for t_grw in (30.0, 45.0, 60.0):
@@ -109,7 +109,7 @@ def test_time_enters_as_a_part_of_the_growth_time(fine_scene):
 # --- times --------------------------------------------------------------------------------
 
 
-def test_milestones_are_hit_exactly_without_slivers(fine_scene):
+def test_milestones_are_met_exactly_with_equal_steps_between_them(fine_scene):
     """End of the ramp, saved times and end; the steps between two of them are equal."""
     values = {
         "turgor.ramp": 0.01,
@@ -134,8 +134,8 @@ def test_milestones_are_hit_exactly_without_slivers(fine_scene):
         assert len(inside) == np.ceil(round((end - start) / 0.25, 9))
 
 
-@pytest.mark.ranks
-def test_fixed_steps_are_those_asked_for(sphere_scene):
+@pytest.mark.distributed
+def test_fixed_steps_have_the_given_size(sphere_scene):
     """Whatever the round-off of their sum."""
     values = {"run.end": 7.0, "numerics.step": 0.1, "numerics.integrator": "backward-euler"}
     times = simulate(sphere_scene.with_values(values)).history.time_min
@@ -143,31 +143,31 @@ def test_fixed_steps_are_those_asked_for(sphere_scene):
     np.testing.assert_allclose(times, np.linspace(0, 7, 71), rtol=0, atol=1e-12)
 
 
-# --- steps that fail ----------------------------------------------------------------------
+# --- failed steps ----------------------------------------------------------------------
 
 
 @contextmanager
 def started(scene, name: str, pressure) -> Iterator[TimeStepper]:
-    """Two steps into the growth of a bud."""
+    """A bud after two time steps."""
     shell = build_shell(scene)
     with Equilibrium(shell, TOLERANCE) as equilibrium:
-        evolution = TimeStepper(shell, equilibrium, TABLEAUX[name], pressure)
-        evolution.load()
-        evolution.step(0.5)
-        evolution.step(1.0)
-        yield evolution
+        stepper = TimeStepper(shell, equilibrium, TABLEAUX[name], pressure)
+        stepper.load()
+        stepper.step(0.5)
+        stepper.step(1.0)
+        yield stepper
 
 
-def bits(evolution: TimeStepper) -> list[bytes]:
+def bits(stepper: TimeStepper) -> list[bytes]:
     """All that a step may change and the next step reads."""
-    shell, state = evolution.shell, evolution.accepted
-    arrays = [shell.w.x.array, shell.growth.get(), state.wall.w, state.wall.eps_g]
+    shell, state = stepper.shell, stepper.accepted
+    arrays = [shell.w.x.array, shell.growth.get(), state.w, state.eps_g]
     numbers = [shell.pressure.value, shell.growth.stage.value, state.time]
     return [np.array(item).tobytes() for item in (*arrays, *numbers)]
 
 
 def overload(time: float) -> float:
-    """Turgor that no wall can carry from 2 min on."""
+    """Turgor beyond the limit pressure from 2 min on."""
     return 0.20265 if time < 2 else 50.0
 
 
@@ -182,24 +182,24 @@ def interrupt(time: float) -> float:
 @pytest.mark.parametrize(
     ("pressure", "error"), [(overload, EquilibriumError), (interrupt, KeyboardInterrupt)]
 )
-def test_failing_step_leaves_no_trace(fine_scene, name, pressure, error):
-    """Bit for bit; and what follows is what follows where it was never tried."""
-    with started(fine_scene, name, pressure) as evolution:
-        before, state = bits(evolution), evolution.accepted
+def test_failed_step_leaves_no_trace(fine_scene, name, pressure, error):
+    """Bit for bit; the next step has the result that it has without the failed one."""
+    with started(fine_scene, name, pressure) as stepper:
+        before, state = bits(stepper), stepper.accepted
         with pytest.raises(error):
-            evolution.step(2.5)
-        assert bits(evolution) == before
-        assert evolution.accepted is state
-        evolution.step(1.5)
-        volume = evolution.shell.volume()
+            stepper.step(2.5)
+        assert bits(stepper) == before
+        assert stepper.accepted is state
+        stepper.step(1.5)
+        volume = stepper.shell.volume()
     with started(fine_scene, name, lambda time: 0.20265) as untouched:
         assert bits(untouched) == before
         untouched.step(1.5)
         assert volume == pytest.approx(untouched.shell.volume(), rel=1e-11)
 
 
-def test_turgor_that_no_wall_can_carry(fine_scene):
-    """Steps in volume close in on the limit point of an elastic sphere; all of them are kept."""
+def test_ramp_beyond_the_limit_pressure_ends_at_the_limit_point(fine_scene):
+    """Steps in volume approach the limit point of an elastic sphere; all of them are kept."""
     limit = 1.239463 * 40 * 0.1 / 2.5
     values = {
         "turgor.pressure": 2 * limit,

@@ -74,7 +74,7 @@ def test_stresses_have_the_closed_form(principal, alpha):
 
 
 @pytest.mark.parametrize("alpha", EXPONENTS)
-def test_small_strains_see_the_shear_modulus_whatever_the_exponent(principal, alpha):
+def test_small_strain_stiffness_is_the_shear_modulus_for_every_exponent(principal, alpha):
     """Pure shear `ε, -ε` of an incompressible wall: τ = ± 2 μ ε, no energy at rest."""
     assert principal((0, 0), 40.0, alpha)[0] == 0
     np.testing.assert_array_equal(principal((0, 0), 40.0, alpha)[1], [0, 0])

@@ -22,7 +22,7 @@ def walk(scene: Scene, control: str, steps: int = 60, **until: float) -> Result:
 
 
 @pytest.mark.parametrize("control", ["volume", "arc-length"])
-def test_a_balloon_goes_over_its_limit_point(elastic_scene: Scene, control: str) -> None:
+def test_path_passes_the_limit_point_of_a_balloon(elastic_scene: Scene, control: str) -> None:
     result = walk(elastic_scene, control, volume_ratio=8.0)
     history = result.history
     assert result.status == "finished"
@@ -40,7 +40,7 @@ def test_a_balloon_goes_over_its_limit_point(elastic_scene: Scene, control: str)
     assert not history.stable[history.volume_ratio > 1.02 * top].any()
 
 
-def test_controls_give_the_same_path(elastic_scene: Scene) -> None:
+def test_all_controls_of_pressure_reach_the_same_state(elastic_scene: Scene) -> None:
     by = {c: walk(elastic_scene, c, pressure=1.5) for c in ("pressure", "volume", "arc-length")}
     ends = [result.history.volume_ratio[-1] for result in by.values()]
     np.testing.assert_allclose(ends, ends[0], rtol=1e-7)
@@ -49,9 +49,9 @@ def test_controls_give_the_same_path(elastic_scene: Scene) -> None:
         assert result.history.stable.all()
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 @pytest.mark.parametrize("control", ["pressure", "volume", "arc-length"])
-def test_a_pressure_out_of_reach_is_told_with_the_limit_pressure(
+def test_unreachable_pressure_is_reported_with_the_limit_pressure(
     elastic_scene: Scene, control: str
 ) -> None:
     result = walk(elastic_scene, control, steps=20, pressure=2.5)
@@ -61,7 +61,7 @@ def test_a_pressure_out_of_reach_is_told_with_the_limit_pressure(
     assert result.history.pressure_MPa.max() / UNIT == pytest.approx(1.239463, rel=2e-3)
 
 
-def test_a_stiffening_balloon_has_no_limit_point(elastic_scene: Scene) -> None:
+def test_stiffening_balloon_has_no_limit_point(elastic_scene: Scene) -> None:
     stiff = elastic_scene.with_values({"wall.ogden_exponent": 8.0})
     for control in ("pressure", "arc-length"):
         result = walk(stiff, control, volume_ratio=4.0)
@@ -72,7 +72,7 @@ def test_a_stiffening_balloon_has_no_limit_point(elastic_scene: Scene) -> None:
 
 
 def outside(scene: Scene, ratio: float, times: float) -> tuple[Scene, float]:
-    """A wall of h/R fit for buckles of length √(R h), and its classical pressure."""
+    """A wall of h/R whose mesh resolves buckles of length √(R h), and its classical pressure."""
     critical = 2 * 3 * MU * ratio**2 / np.sqrt(3 * 0.75)
     values = {
         "wall.thickness": ratio * R,
@@ -84,7 +84,7 @@ def outside(scene: Scene, ratio: float, times: float) -> tuple[Scene, float]:
 
 
 @pytest.mark.parametrize("ratio", [1 / 100, 1 / 300, 1 / 1000])
-def test_a_sphere_under_outside_pressure_loses_stability_where_it_must(
+def test_sphere_under_external_pressure_loses_stability_at_its_classical_pressure(
     elastic_scene: Scene, ratio: float
 ) -> None:
     scene, critical = outside(elastic_scene, ratio, 1.1)
@@ -93,13 +93,13 @@ def test_a_sphere_under_outside_pressure_loses_stability_where_it_must(
     assert result.status == "finished"
     assert "unstable" in result.message
     lost = np.flatnonzero(~history.stable)
-    assert (np.diff(lost) == 1).all() and lost[-1] == len(history) - 1  # once and for all
+    assert (np.diff(lost) == 1).all() and lost[-1] == len(history) - 1  # it stays lost
     bracket = -history.pressure_MPa[lost[0] - 1 : lost[0] + 1] / critical
     assert bracket == pytest.approx(1, abs=0.03)
 
 
 @pytest.mark.parametrize(("times", "stable"), [(0.95, True), (1.05, False)])
-def test_a_static_scene_and_a_run_say_whether_they_are_stable(
+def test_static_scene_and_run_report_whether_they_are_stable(
     elastic_scene: Scene, times: float, stable: bool
 ) -> None:
     scene, critical = outside(elastic_scene, 1 / 200, times)
@@ -111,21 +111,23 @@ def test_a_static_scene_and_a_run_say_whether_they_are_stable(
         assert result.status == "finished"
         assert result.history.stable[-1] == stable
         assert ("unstable" in result.message) != stable
-    if not stable:  # told from when and from which pressure on
+    if not stable:  # reported with its time and pressure
         first = np.flatnonzero(~run.history.stable)[0]
         assert f"from {run.history.time_min[first]:.6g} min" in run.message
         assert -run.history.pressure_MPa[first] / critical == pytest.approx(1, abs=0.03)
 
 
-def test_a_growing_bud_is_stable_until_it_bursts(bud_run: Result) -> None:
+def test_growing_bud_is_stable_until_it_bursts(bud_run: Result) -> None:
     assert bud_run.history.stable.all()
     assert "unstable" not in bud_run.message
 
 
-@pytest.mark.ranks
+@pytest.mark.distributed
 @pytest.mark.parametrize("values", [{}, {"run": {"end": 1.0}}])
-def test_a_pressure_just_below_the_limit_is_borne(elastic_scene: Scene, values: dict) -> None:
-    """Newton's method alone could land on the other side of the limit point."""
+def test_equilibrium_just_below_the_limit_pressure_is_found(
+    elastic_scene: Scene, values: dict
+) -> None:
+    """Plain Newton's method could end on the other side of the limit point."""
     below = 1.2390 * UNIT
     result = simulate(elastic_scene.with_values({"turgor.pressure": below, **values}))
     assert result.status == "finished"
@@ -143,8 +145,8 @@ def changing(scene: Scene, **values: object) -> Result:
     return simulate(scene.with_values(changes))
 
 
-@pytest.mark.ranks
-def test_turgor_follows_its_table_and_hits_its_kinks(sphere_scene: Scene) -> None:
+@pytest.mark.distributed
+def test_turgor_follows_its_table_and_meets_its_kinks(sphere_scene: Scene) -> None:
     result = changing(sphere_scene, **{"growth": None, "turgor.ramp": 0.25, "numerics.step": 0.3})
     history = result.history
     for time, pressure in ((0.25, 0.2), (1, 0.2), (1.5, 0.02), (3, 0.04), (4, 0.04)):
@@ -158,7 +160,7 @@ def test_turgor_follows_its_table_and_hits_its_kinks(sphere_scene: Scene) -> Non
     np.testing.assert_allclose(shell, balloon(history.volume_ratio), atol=2e-4)
 
 
-def test_growth_stands_still_while_the_turgor_is_off(sphere_scene: Scene) -> None:
+def test_nothing_grows_while_the_turgor_is_below_the_threshold(sphere_scene: Scene) -> None:
     history = changing(sphere_scene, **{"numerics.step": None}).history
     low = (history.time_min >= 1.5) & (history.time_min <= 3)  # below the threshold throughout
     grown = history.max_growth_strain[low]
@@ -166,7 +168,7 @@ def test_growth_stands_still_while_the_turgor_is_off(sphere_scene: Scene) -> Non
     np.testing.assert_allclose(grown, grown[0], rtol=1e-12)
 
 
-def test_where_nothing_changes_a_step_goes_to_the_next_milestone(sphere_scene: Scene) -> None:
+def test_step_in_which_nothing_changes_ends_at_the_next_milestone(sphere_scene: Scene) -> None:
     idle = {"growth.threshold": 10.0, "run": {"end": 1e6, "save": [3.0, 1e6]}}
     for step in (0.2, None):
         result = simulate(sphere_scene.with_values({**idle, "numerics.step": step}))

@@ -1,0 +1,126 @@
+"""What several tables of a scene must agree on, and the elements that they need together."""
+
+from collections.abc import Sequence
+
+from ..geometry import Intervals, neck
+from .cell import AnyCell, ConeCell
+from .errors import refusal
+from .growth import Growth, Polarity
+from .loads import Load, PressureTable, Septum, Turgor
+from .numerics import elements_for
+from .run import Run, StaticPath
+from .wall import AnyWall
+from .zone import Zone, misplaced
+
+
+def check_wall(wall: AnyWall, cell: AnyCell) -> None:
+    """Refuse a wall too thick for its cell, and a membrane that this shape leaves without support.
+
+    Like all checks, it raises the error of a validator, with a key below the scene.
+    """
+    radius = cell.least_radius
+    for i, thickness in enumerate(wall.thicknesses):
+        if thickness >= radius:
+            least = "radius" if radius == cell.radius else "least radius"
+            zone = f"zone.{i}." if i < len(wall.zone) else ""
+            raise refusal(
+                f"must be less than the cell's {least} ({radius:.6g} µm)",
+                key=f"wall.{zone}thickness",
+            )
+    if wall.bending:
+        return
+    if isinstance(cell, ConeCell) and cell.height == 0:
+        must = "a flat membrane ring carries no load; set cell.height or wall.bending"
+        raise refusal(must, key="wall.bending")
+    if cell.ends in (("roller", "free"), ("axial", "free")):
+        must = 'a membrane with a free inner edge needs "hinged" or "clamped"'
+        raise refusal(must, key="cell.edge")
+
+
+def check_load(load: Load | None, path: StaticPath | None, cell: AnyCell, wall: AnyWall) -> None:
+    """Refuse a load that the cell cannot carry, and a path that it cannot follow."""
+    if path is not None:
+        if path.until.of_load and load is None:
+            raise refusal('this path needs a [load], e.g. point_force = "-1 uN"', key="load")
+        ratio = path.until.volume_ratio
+        if ratio is not None and ratio <= 0 and cell.closed:
+            must = "must be > 0: a closed cell encloses a volume"
+            raise refusal(must, key="path.until.volume_ratio")
+    if load is None:
+        return
+    if load.point_force is not None and load.pole not in cell.poles:
+        raise refusal(f"a {cell.shape} has no {load.pole} pole; set ring_force", key="load.pole")
+    if load.point_force is not None and not wall.bending:
+        must = "a membrane cannot carry a point force; set ring_force or wall.bending"
+        raise refusal(must, key="load.point_force")
+    if load.ring_force is None:
+        return
+    if load.at is None and cell.ends[1] != "free":
+        must = "expected the arc length of the ring, as the upper end is not a free edge"
+        raise refusal(must, key="load.at")
+    length = cell.curve.length
+    if load.at is not None and load.at >= length:
+        raise refusal(f"must be less than the meridian's length ({length:.6g} µm)", key="load.at")
+
+
+def check_span(run: Run | None, path: StaticPath | None, turgor: Turgor, grows: bool) -> None:
+    """Refuse what changes in time without a time span, or on a path of equilibria."""
+    if path is not None:
+        for table, given in (("run", run is not None), ("growth", grows)):
+            if given:
+                raise refusal(f"a [path] is static; remove [path] or [{table}]", key=table)
+    if run is None and isinstance(turgor.pressure, PressureTable):
+        must = 'a time-dependent pressure needs [run], e.g. end = "90 min"'
+        raise refusal(must, key="turgor.pressure")
+    if run is None and grows:
+        raise refusal('growth needs [run], e.g. end = "90 min"', key="run")
+
+
+def check_zones(zones: Sequence[Zone], cell: AnyCell, key: str) -> None:
+    """Refuse zones that are not on the cell or overlap; `key` has a place for their number."""
+    for i, zone in enumerate(zones):
+        _check_pole(zone.pole, cell, key.format(i))
+    if len(zones) == 0 or (len(zones) == 1 and zones[0].pole in ("top", "bottom")):
+        return  # without the cost of the curve
+    if (found := misplaced(zones, cell.curve)) is not None:
+        raise refusal(found[1], key=key.format(found[0]))
+
+
+def check_polarity(polarity: Polarity, cell: AnyCell, key: str) -> None:
+    """Refuse a polarity around a point that is not on the cell."""
+    if polarity.centre is None:
+        _check_pole(polarity.pole, cell, key)
+    elif polarity.centre > (length := cell.curve.length):
+        raise refusal(f"the meridian ends at {length:.6g} µm", key=f"{key}.centre")
+
+
+def check_septum(septum: Septum, load: Load | None, cell: AnyCell, growing: Intervals) -> None:
+    """Refuse a septum that is not across a closed cell, or has no definite place."""
+    if not cell.closed:
+        raise refusal(f"requires a closed cell; a {cell.shape} is open", key="septum")
+    if septum.piece is not None and load is not None:
+        raise refusal("a separated piece carries no load; remove [load]", key="septum.piece")
+    curve = cell.curve
+    if septum.at is None and neck(growing, curve) is None:
+        must = "expected an arc length, as there is no bud neck or more than one"
+        raise refusal(must, key="septum.at")
+    if septum.at is not None and septum.at >= curve.length:
+        raise refusal(f"the meridian ends at {curve.length:.6g} µm", key="septum.at")
+
+
+def _check_pole(pole: str | None, cell: AnyCell, key: str) -> None:
+    for each in ("top", "bottom") if pole == "both" else (pole,):
+        if each is not None and each not in cell.poles:
+            raise refusal(f"a {cell.shape} has no {each} pole", key=f"{key}.pole")
+
+
+def count_elements(
+    tolerance: float, cell: AnyCell, wall: AnyWall, growing: Sequence[Growth], load: Load | None
+) -> int:
+    """Return the number of elements that keeps V/V0 within a tolerance."""
+    zones = [growth.zone for growth in growing]
+    layers = cell.layers + sum(zone.layers for zone in (*zones, *wall.zone))
+    layers += sum(2 * growth.zone.parts for growth in growing if growth.polarity is not None)
+    if load is not None:
+        layers += 2 if cell.closed else 1  # the load, and the pole that supports the cell
+    return elements_for(tolerance, sum(zone.parts for zone in zones), layers)

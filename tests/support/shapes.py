@@ -1,0 +1,28 @@
+"""A cell of every shape, by the keys of its table `[cell]`."""
+
+from typing import Any
+
+import numpy as np
+
+SHAPES: dict[str, dict[str, Any]] = {
+    "sphere": {"diameter": 5.0},
+    "spheroid": {"diameter": 4.0, "height": 7.0},
+    "capsule": {"diameter": 4.0, "length": 11.0},
+    "cap": {"radius": 10.0, "half_angle": 20.0},
+    "disc": {"diameter": 4.0},
+    "cone": {"outer_diameter": 8.0, "inner_diameter": 3.0, "height": 1.0},
+    "cylinder": {"diameter": 4.0, "length": 9.0},
+}
+
+
+def ellipse(n: int, a: float = 2.0, c: float = 3.5) -> tuple[np.ndarray, np.ndarray]:
+    """Return `(r, z)` of points on the meridian of the spheroid above."""
+    t = np.linspace(0, np.pi, n)
+    return a * np.sin(t), -c * np.cos(t)
+
+
+SHAPES["profile"] = {
+    **dict(zip("rz", (x.tolist() for x in ellipse(60)), strict=True)),
+    "tolerance": 1e-5,
+}
+SHAPES = {shape: {"shape": shape, **keys} for shape, keys in SHAPES.items()}
