@@ -216,8 +216,9 @@ def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> No
     if curve.status in LOST and len(history):
         time, ratio = history.time_min[-1], history.volume_ratio[-1]
         axes.plot([time], [ratio], "x", color=colour, ms=7 if note else 5, mew=1.8)
+        when = "beyond" if curve.status == "unbounded" else "at"
         if note:
             axes.annotate(
-                f"{LOST[curve.status]}\nat {time:.1f} min", (time, ratio), (-8, -2),
+                f"{LOST[curve.status]}\n{when} {time:.1f} min", (time, ratio), (-8, -2),
                 textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
             )  # fmt: skip
