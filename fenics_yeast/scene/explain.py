@@ -12,7 +12,8 @@ from .keys import ABSENT, Path, field_at, fields_of, kind_key, look_up, model_of
 from .units import Unit
 
 _KINDS = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
-_LISTS = {"min": "[40, 70, 90]", "MPa": '["2 atm", "0.2 atm"]'}
+_LISTS = {"min": "[40, 70, 90]", "MPa": '["2 atm", "0.2 atm"]', "µm": "[0, 1.2, 2.5]"}
+_UNKNOWN = ("extra_forbidden", "invalid_key")
 _BOUNDS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 _NO_KIND = ("union_tag_invalid", "union_tag_not_found")
 _REASONS = {"finite_number": "not finite"}
@@ -21,14 +22,15 @@ _REASONS = {"finite_number": "not finite"}
 def explain(model: type[BaseModel], data: object, error: ValidationError) -> str:
     """Describe what pydantic found wrong in `data`, meant to be a `model`, on one line.
 
-    Only the first problem is described, by its key, its value and what must hold; the others are
-    counted.
+    Only one problem is described, by its key, its value and what must hold; the others are counted.
+    An unknown key comes first, as it may be a misspelt one that is missing.
     """
     problems = [
         problem
         for problem in error.errors(include_url=False)
         if problem["type"] != "default_factory_not_called"  # only follows from another one
     ]
+    problems.sort(key=lambda problem: problem["type"] not in _UNKNOWN)
     others = len(problems) - 1
     more = f" (and {others} more error{'s' * (others > 1)})" if others else ""
     return f"{_explain(model, data, problems[0])}{more}"
@@ -45,7 +47,7 @@ def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str
     value = look_up(data, path)
     given = " is missing" if value is ABSENT else f" = {value_text(value)}"
     what = key_text(path) + given
-    if problem["type"] in ("extra_forbidden", "invalid_key"):
+    if problem["type"] in _UNKNOWN:
         return f"{what}: {_nearest(model, data, path)}"
     reason = context.get("reason") or _REASONS.get(problem["type"])
     expected = context.get("must") or f"expected {_expected(model, data, path)}"

@@ -37,17 +37,15 @@ def _precision(scene: Scene) -> float:
 
 
 def _load(scene: Scene, nodes: int) -> float:
-    """Return the size of the nodal forces in µN: of the largest load, or of a strain of 1 %.
+    """Return the size of the nodal forces in µN, but no smaller than round-off allows.
 
-    Small loads may bend an open wall, and a force is small beside turgor: then it is the size of
-    the load, but no smaller than round-off allows.
+    Small loads may bend an open wall, and a force is small beside turgor.
     """
-    unit, radius = pressure_scale(scene), scene.cell.radius
-    sizes, least = _pressures(scene), 0.01 * unit
+    sizes = _pressures(scene)
     if scene.axial_load is not None or not scene.cell.closed:
-        least = _ROUND_OFF / _precision(scene) * unit
         sizes = _pressures_of_open_wall(scene) + _pressures_of_force(scene)
-    return float(max(*sizes, least) * radius**2 / nodes**0.5)
+    least = _ROUND_OFF / _precision(scene) * pressure_scale(scene)
+    return float(max(*sizes, least) * scene.cell.radius**2 / nodes**0.5)
 
 
 def _pressures(scene: Scene) -> list[float]:

@@ -251,9 +251,8 @@ class Transient:
 
     def _find_limit(self, end: float) -> Generator[Row, None, Outcome | None]:
         """Return how the wall loses its equilibrium on the way to a time; None if it does not."""
-        if self._shell.growth is not None:
-            lost = yield from self._meets_growth_limit(end)
-            return self._lost(end) if lost else None
+        if self._shell.growth is not None and (yield from self._meets_growth_limit(end)):
+            return self._lost(end)
         if not self._pressure_changes(end):
             return None
         start, pressure = self._time, self._stepper.pressure

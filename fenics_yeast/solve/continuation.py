@@ -193,7 +193,8 @@ class BorderedNewton:
         force.array[:] = values
         self._solver.solve(force, self._a)
         corner = self._scale * self._weights[1]
-        change = (self._row.dot(self._a) - last) / (self._row.dot(self._b) - corner)
+        pivot = self._row.dot(self._b) - corner
+        change = (self._row.dot(self._a) - last) / pivot if pivot else np.nan  # SNES then fails
         out = y.array
         out[: self._equations.owned] = self._a.array_r - change * self._b.array_r
         out[self._equations.owned :] = change

@@ -154,3 +154,13 @@ def test_to_frame_without_pandas_says_what_to_install(
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"^to_frame needs pandas; run: pip install pandas$"):
         whole.history.to_frame()
+
+
+def test_the_response_to_a_tiny_pressure_is_that_of_linear_theory(elastic_scene: Scene) -> None:
+    """V/V0 - 1 = p R / (4 μ h) of a thin neo-Hookean sphere, down to round-off of V/V0."""
+    sphere = elastic_scene.with_values({"numerics": {}})
+    wall = sphere.wall
+    compliance = sphere.cell.radius / (4 * wall.shear_modulus * wall.thickness)
+    for pressure in (1e-4, 1e-6, 1e-8, 1e-10):
+        ratio = simulate(sphere.with_values({"turgor.pressure": pressure})).history.volume_ratio[-1]
+        assert (ratio - 1) / pressure == pytest.approx(compliance, rel=1e-3)
