@@ -5,7 +5,6 @@ Modules that only a run or a figure needs are imported in functions, to keep sta
 
 from __future__ import annotations
 
-import logging
 import os
 from importlib.resources import files
 from pathlib import Path
@@ -17,6 +16,7 @@ import typer
 
 from ..scene import Scene, SceneError, parse_assignment
 from ..simulation import EXIT_STATUS
+from .environment import prepare
 from .exits import (
     BAD_INPUT,
     BROKEN,
@@ -37,11 +37,30 @@ if TYPE_CHECKING:
 _BEGAN = perf_counter()
 
 app = typer.Typer(
-    help="Simulate walled-cell growth under turgor with an axisymmetric shell model.",
     no_args_is_help=True,
     rich_markup_mode=None,  # plain help and usage errors, which need no rich
     pretty_exceptions_enable=False,
 )
+
+
+def _show_version(requested: bool) -> None:
+    if requested:
+        from importlib.metadata import version
+
+        typer.echo(f"fenics-yeast {version('fenics-yeast')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Show the version and exit.", callback=_show_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """Simulate walled-cell growth under turgor with an axisymmetric shell model."""
 
 
 def _completed(incomplete: str) -> list[tuple[str, str]]:
@@ -225,10 +244,10 @@ def _sweep(
 
 
 @app.command()
-def check(scene_file: SceneFile) -> None:
+def check(scene_file: SceneFile, assignments: Assignments = None) -> None:
     """Validate a scene file without running it."""
     try:
-        Scene.load(scene_file)
+        _load(scene_file, assignments)
     except SceneError as error:
         fail(str(error), BAD_INPUT)
     typer.echo(f"{scene_file}: valid")
@@ -317,19 +336,7 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
     return ProgressLine(scene) if on_terminal() else Lines()
 
 
-def _home() -> str:
-    try:
-        return str(Path.home())
-    except RuntimeError:  # an unknown user; every run compiles its forms again
-        from .._form_cache import temporary
-
-        return str(temporary("home"))
-
-
 def main() -> None:
     """Run the command."""
-    if "HOME" not in os.environ:  # as in a service; Open MPI 5 needs it
-        os.environ["HOME"] = _home()
-    # It warns at length about a read-only home directory and about its font cache.
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    prepare()
     app()

@@ -8,6 +8,7 @@ import numpy as np
 
 from .curves import Array, Parametric
 
+_LARGEST_FILE = 10_000_000  # bytes
 _FEWEST, _MOST = 8, 5000  # points
 _DEGREE = 5  # of the spline: its curvature has two continuous derivatives
 _SHARP = 2.0  # least radius of curvature, in tolerances or distances of points
@@ -28,7 +29,11 @@ def read_contour(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
         If the file cannot be read or is no such table; the message is a sentence of its own.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        with open(path, "rb") as file:
+            content = file.read(_LARGEST_FILE + 1)
+        if len(content) > _LARGEST_FILE:
+            raise ContourError("is larger than 10 MB; expected a table of points")
+        lines = content.decode("utf-8-sig").splitlines()
     except FileNotFoundError:
         raise ContourError(f"no such file beside the scene: {path.absolute()}") from None
     except (OSError, ValueError) as error:

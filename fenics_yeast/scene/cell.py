@@ -28,6 +28,7 @@ from .errors import BRANCH, SceneError, refusal
 from .table import ListOf, Table
 from .units import LENGTH, Angle, Length
 
+_SLENDEREST = 1000.0  # length of a capsule over its diameter
 _SHAPE: Any = Field(description="shape of the mid-surface")
 _EDGE = (
     "constrained: clamped (displacement and rotation), hinged (displacement), roller (axial "
@@ -120,6 +121,8 @@ class CapsuleCell(_Round):
         diameter = info.data.get("diameter", 0.0)
         if length <= diameter:
             raise refusal(f"expected a length > the diameter ({diameter:g} µm)")
+        if length > _SLENDEREST * diameter > 0:
+            raise refusal(f"expected a length <= {_SLENDEREST:g} diameters ({diameter:g} µm)")
         return length
 
     @property

@@ -15,14 +15,12 @@ class Run(Table):
     end: Time = Field(gt=0, description="end of the simulation (min)")
     save: ListOf[Time] = Field(
         default_factory=lambda given: (given.get("end", 0.0),),
-        description="times that are hit exactly and saved, sorted (min); default: the end",
+        description="times that are hit exactly and saved, sorted (min); empty or default: the end",
     )
 
     @field_validator("save")
     @classmethod
     def _within_the_run(cls, times: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
-        if not times:
-            raise refusal("expected at least one time; by default, the end is saved")
         end = info.data.get("end", float("inf"))
         for time in times:
             if not 0 <= time <= end:
@@ -31,7 +29,7 @@ class Run(Table):
                     "if you change run.end, also set run.save",
                     reason=f"{time:g} min is outside the run",
                 )
-        return tuple(sorted(set(times)))
+        return tuple(sorted(set(times))) or (end,)
 
 
 Control = Literal["pressure", "volume", "arc-length", "force", "displacement"]

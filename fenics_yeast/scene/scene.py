@@ -26,6 +26,8 @@ from .run import Run, StaticPath
 from .table import Table
 from .wall import AnyWall
 
+_LARGEST_FILE = 10_000_000  # bytes
+
 
 class Scene(Table):
     """What to simulate: one cell, its wall, turgor and growth, and the numerical method.
@@ -126,7 +128,9 @@ class Scene(Table):
         """
         source = str(path)
         try:
-            text = Path(path).read_bytes().decode("utf-8-sig")
+            with open(path, "rb") as file:
+                content = file.read(_LARGEST_FILE + 1)
+            text = content.decode("utf-8-sig")
         except FileNotFoundError:
             raise SceneError(f"{source}: no such file; expected a scene file") from None
         except UnicodeDecodeError as error:
@@ -135,6 +139,8 @@ class Scene(Table):
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise SceneError(f"{source}: cannot be read: {reason}") from None
+        if len(content) > _LARGEST_FILE:
+            raise SceneError(f"{source}: larger than 10 MB; expected a scene file")
         scene = cls.from_toml(text, source=source)
         scene._stem = Path(path).stem
         return scene

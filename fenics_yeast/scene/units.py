@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache
+from math import inf
 from numbers import Real
 from typing import TYPE_CHECKING, Annotated
 
@@ -41,6 +42,7 @@ atmosphere = 101325 * pascal = atm
 radian = [angle] = rad
 degree = 0.01745329251994329576923690768 * radian = deg
 """
+_LARGEST = 1e30  # beyond it, products of values overflow
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?)\s*(.*?)\s*")
 _UNIT = re.compile(r"[^\W\d_]+(\s*[*/]\s*[^\W\d_]+((\^|\*\*)[23])?){0,3}")
 
@@ -65,13 +67,17 @@ class Unit:
     def read(self, value: object) -> object:
         """Return a number in this unit; leave values of another type for pydantic to refuse."""
         if isinstance(value, str):
-            return self._convert(value)
-        if isinstance(value, bool) or not isinstance(value, Real):
+            number = self._convert(value)
+        elif isinstance(value, bool) or not isinstance(value, Real):
             return value
-        try:
-            return float(value)
-        except OverflowError:
-            return float("inf")
+        else:
+            try:
+                number = float(value)
+            except OverflowError:
+                number = inf
+        if _LARGEST < abs(number) < inf:
+            raise refusal(reason=f"larger than {_LARGEST:g} {self.symbol}")
+        return number
 
     def _convert(self, text: str) -> float:
         match = _NUMBER_AND_UNIT.fullmatch(text)

@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from time import perf_counter
 from typing import Any, Self
 
@@ -58,7 +59,7 @@ class Simulation:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Scene | str | Path,
         *,
         energy: OwnLaw | None = None,
         growth_law: OwnLaw | None = None,
@@ -70,6 +71,7 @@ class Simulation:
         keep: Callable[[Checkpoint], None] | None = None,
     ) -> None:
         self._began = perf_counter()
+        scene = scene if isinstance(scene, Scene) else Scene.load(scene)
         self._shell = shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
         self._recorder = recorder = Recorder(shell)
         observers = [] if observer is None else [observer]
@@ -229,7 +231,7 @@ class Simulation:
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | str | Path,
     *,
     energy: OwnLaw | None = None,
     growth_law: OwnLaw | None = None,
@@ -247,7 +249,7 @@ def simulate(
     Parameters
     ----------
     scene
-        What to simulate.
+        What to simulate, or the file of a scene.
     energy, growth_law
         Laws of your own in place of the scene's: strain energy of the wall, growth rate in the
         zone. Each is a function in UFL, or a `mechanics.Law` that gives it parameters.

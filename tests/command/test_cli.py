@@ -6,6 +6,7 @@ import pty
 import subprocess
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -234,7 +235,13 @@ def test_wrong_usage_exits_2(here: Path, arguments: Sequence[str]) -> None:
 def test_check_says_that_a_scene_is_valid(here: Path) -> None:
     result = call("check", "small.toml")
     assert (result.exit_code, result.stdout) == (0, "small.toml: valid\n")
+    refused(call("check", "small.toml", "--set", "growth.time=-1"), "growth.time = -1")
     assert tree(here) == {"small.toml"}
+
+
+def test_the_version_is_shown() -> None:
+    result = call("--version")
+    assert (result.exit_code, result.stdout) == (0, f"fenics-yeast {version('fenics-yeast')}\n")
 
 
 @pytest.mark.process

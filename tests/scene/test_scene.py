@@ -17,6 +17,7 @@ from fenics_yeast.scene import (
     Numerics,
     Run,
     Scene,
+    SceneError,
     Turgor,
     Wall,
     Zone,
@@ -255,3 +256,19 @@ def test_a_scene_loads_neither_dolfinx_nor_pint(tmp_path):
         [sys.executable, "-c", code, path], cwd=root, capture_output=True, text=True, check=True
     )
     assert ran.stdout.strip() == ""
+
+
+def test_no_saved_times_means_the_end() -> None:
+    assert Scene.from_toml(BUD.replace("save = [40, 70, 90]", "save = []")).run.save == (90.0,)
+
+
+@pytest.mark.parametrize("file", ["/dev/zero"])
+def test_a_file_without_end_is_refused(file: str) -> None:
+    with pytest.raises(SceneError, match="larger than 10 MB"):
+        Scene.load(file)
+
+
+def test_a_capsule_has_a_bounded_slenderness() -> None:
+    capsule = 'shape = "capsule"\ndiameter = 5\nlength = 1e12'
+    with pytest.raises(SceneError, match="expected a length <= 1000 diameters"):
+        Scene.from_toml(BUD.replace('shape = "sphere"\ndiameter = "5 um"', capsule))

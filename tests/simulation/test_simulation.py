@@ -1,12 +1,13 @@
 """Runs step by step from Python, and their tables in a notebook."""
 
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from fenics_yeast import Scene, Simulation, simulate
+from fenics_yeast import Scene, SceneError, Simulation, simulate
 from fenics_yeast.simulation import COLUMNS, History, Profiles, Result, Row
 
 
@@ -164,3 +165,11 @@ def test_the_response_to_a_tiny_pressure_is_that_of_linear_theory(elastic_scene:
     for pressure in (1e-4, 1e-6, 1e-8, 1e-10):
         ratio = simulate(sphere.with_values({"turgor.pressure": pressure})).history.volume_ratio[-1]
         assert (ratio - 1) / pressure == pytest.approx(compliance, rel=1e-3)
+
+
+def test_a_scene_may_be_given_by_its_file(elastic_scene: Scene, tmp_path: Path) -> None:
+    (tmp_path / "cell.toml").write_text(elastic_scene.to_toml())
+    found, known = simulate(tmp_path / "cell.toml"), simulate(elastic_scene)
+    assert found.history.rows == known.history.rows
+    with pytest.raises(SceneError, match="no such file"):
+        simulate(str(tmp_path / "none.toml"))
