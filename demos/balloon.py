@@ -1,15 +1,15 @@
-"""An elastic sphere blown up until it gives way, held against the closed form.
+"""An elastic sphere inflated to its limit pressure, compared with the closed form.
 
 Let a sphere of radius R with a wall of thickness h be stretched by λ. Its potential is
 
     Π(λ) = 4π R² h ψ(λ) - p (4/3) π R³ λ³,    ψ = (μ/2) (2 λ² + λ⁻⁴ - 3)  (neo-Hookean, α = 2)
 
-and Π'(λ) = 0 gives p = h ψ'(λ) / (R λ²), that is
+and Π'(λ) = 0 gives p = h ψ'(λ) / (R λ²), or
 
     p R / (μ h) = 2 (λ⁻¹ - λ⁻⁷),    V/V0 = λ³.
 
-The pressure is largest at λ = 7^(1/6): no equilibrium lies beyond. The closed form is that of a
-membrane; the shell's wall has an inner and an outer side, which differ by an error of the order
+The pressure has its maximum at λ = 7^(1/6); above it there is no equilibrium. The closed form is
+that of a membrane. The shell has a finite thickness, which makes a difference of the order of
 (h/R)²/12 = 1.3e-4.
 """
 
@@ -29,7 +29,7 @@ unit = scene.wall.shear_modulus * scene.wall.thickness / scene.cell.radius  # μ
 
 
 def pressure(stretch):
-    """Closed form: p R / (μ h)."""
+    """Return p R / (μ h) by the closed form."""
     return 2 * (1 / stretch - 1 / stretch**7)
 
 

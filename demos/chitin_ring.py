@@ -1,7 +1,7 @@
-"""A stiff ring of chitin at the bud neck: the same bud with and without it, side by side.
+"""A stiff chitin ring at the bud neck: the same bud with and without it.
 
 The ring lies below the edge of the growing zone. It is thicker and stiffer than the rest of the
-wall and does not grow itself: it holds the neck narrow while the bud grows out of it.
+wall and does not grow: it keeps the neck narrow while the bud grows.
 """
 
 from pathlib import Path
@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.simulation.discretise import discretise
+from fenics_yeast.simulation import discretise
 
 TIMES = (0, 40, 70, 85)
 bare = Scene.load(Path(__file__).parent / "scenes" / "bud.toml")

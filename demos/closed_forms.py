@@ -1,4 +1,4 @@
-"""Closed forms of a membrane, a sphere of the bud's size, that the hard cases are held against."""
+"""Closed forms for a spherical membrane of the bud's size: references of the hard cases."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ P, MU, H, R = 0.20265, 40.0, 0.1, 2.5  # turgor, shear modulus, thickness, radiu
 
 
 def balloon(stretch: float, alpha: float) -> float:
-    """p R/(μ h) of an elastic membrane, a sphere of Ogden's energy."""
+    """Return p R/(μ h) of a spherical elastic membrane with Ogden's energy."""
     return 4 / alpha * (stretch ** (alpha - 3) - stretch ** (-2 * alpha - 3))
 
 
 def inflated(pressure: float, alpha: float = 2.0, mu: float = MU, h: float = H) -> float:
-    """V/V0 of that membrane under a pressure."""
-    wanted = pressure * R / (mu * h)
-    return brentq(lambda x: balloon(x, alpha) - wanted, 0.5, 7 ** (1 / 6), xtol=1e-14) ** 3
+    """Return V/V0 of that membrane under a pressure."""
+    load = pressure * R / (mu * h)
+    return brentq(lambda x: balloon(x, alpha) - load, 0.5, 7 ** (1 / 6), xtol=1e-14) ** 3
 
 
 def sphere_burst() -> float:
-    """Time in min at which a membrane that grows everywhere loses its equilibrium.
+    """Return the time in min at which a membrane that grows everywhere loses equilibrium.
 
     With growth stretch g and elastic stretch e, p R/(μ h) g³ = 2 (1/e - e⁻⁷), and each of the two
     growth strains grows by (√2 σ/σ_trs - 1)/(√2 t_grw) with the Cauchy stress σ = p R e g/(2 h).
@@ -40,5 +40,5 @@ def sphere_burst() -> float:
 
 
 def buckling(h: float) -> float:
-    """Classical critical pressure of a thin sphere from outside, E = 3μ, ν = 1/2."""
+    """Return the classical external buckling pressure of a thin sphere, E = 3μ, ν = 1/2."""
     return 2 * 3 * MU * h**2 / (R**2 * np.sqrt(3 * (1 - 0.25)))

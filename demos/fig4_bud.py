@@ -1,9 +1,9 @@
 """Figure 4 of the paper: a bud grows out of a yeast cell.
 
 A spherical cell, 5 µm across, with a wall of 100 nm and a shear modulus of 40 MPa, carries a turgor
-of 2 atm, applied in 0.01 min and then held. Its top grows where the stress exceeds 1 MPa, with
-the characteristic time 45 min; the rest of the cell remains elastic. As in the paper: 480 conical
-two-node elements with reduced integration, steps of 0.2 min.
+of 2 atm, applied in 0.01 min and constant afterwards. Its top grows where the stress exceeds 1 MPa,
+with a characteristic growth time of 45 min; the rest of the cell stays elastic. As in the paper:
+480 conical two-node elements with reduced integration, steps of 0.2 min.
 """
 
 from pathlib import Path
@@ -18,10 +18,10 @@ print("time (min)      V/V0")
 for time in scene.run.save:
     print(f"{time:10g}  {result.history.at(time).volume_ratio:.6f}")
 
-# At division a bud is about two thirds as wide as its mother.
+# A bud has about two thirds of its mother's diameter at division.
 bud = result.history.at(90)
 relative = 2 * bud.bud_radius_um / scene.cell.diameter
-print(f"At 90 min the bud is {relative:.2f} of the mother's unloaded diameter wide.")
+print(f"Bud diameter at 90 min: {relative:.2f} of the mother's unloaded diameter")
 
 figure = Path("out/fig4_bud.png")
 shapes(result.profiles, result.history, scene, figure)

@@ -1,8 +1,8 @@
-"""Figure 5 of the paper: the volume of the budding cell for three characteristic times of growth.
+"""Figure 5 of the paper: volume of the budding cell for three characteristic growth times.
 
-The stress threshold is 1 MPa throughout. The first jump of each curve is the turgor's, applied in
-0.01 min. Growth softens the wall, and in the end it can no longer carry the turgor: with the
-characteristic time 30 min this comes before 90 min are over, and the curve ends there.
+The stress threshold is 1 MPa. Each curve begins with a jump, because turgor is applied in 0.01 min.
+Growth softens the wall until it can no longer carry the turgor. With a characteristic growth time
+of 30 min this happens before 90 min, and the curve ends there.
 """
 
 from pathlib import Path
@@ -20,8 +20,8 @@ for t_grw in (30, 45, 60):
     last = f"V/V0 = {end.volume_ratio:.6f} at {end.time_min:.2f} min"
     print(f"t_grw = {t_grw} min: {last}, {result.status}")
 
-# Time enters the model only as t / t_grw: the curves are one, but for the ramp and for the error
-# of the time step, the same 0.2 min for each of them.
+# Time enters the model only as t / t_grw: the curves would coincide but for the ramp and the error
+# of the time step, which is 0.2 min for all of them.
 for curve, t_grw in zip(curves, (30, 45), strict=False):
     print(f"t_grw = {t_grw} min: V/V0 = {curve.history.at(2 * t_grw).volume_ratio:.6f} at 2 t_grw")
 

@@ -1,7 +1,7 @@
-"""Figure 6 of the paper: the volume of the budding cell for three stress thresholds of growth.
+"""Figure 6 of the paper: volume of the budding cell for three stress thresholds of growth.
 
-The characteristic time is 45 min throughout. The paper notes that varying the
-threshold is equivalent to varying the turgor; the second part measures how far that holds.
+The characteristic growth time is 45 min. The paper notes that varying the threshold is equivalent
+to varying the turgor; the second part measures how far that is true.
 """
 
 from pathlib import Path
@@ -24,14 +24,14 @@ figure = Path("out/fig6_threshold.png")
 volumes([Curve(f"$σ_{{trs}}$ = {s} MPa", r.history, r.status) for s, r in results.items()], figure)
 print(f"Volume against time: {figure}")
 
-# The criterion knows only the ratio of stress to threshold, and the stress of a membrane is
-# p r / 2h: a turgor higher by 1/0.9 should do what the threshold lower by 0.9 does. It does more:
-# it also stretches the wall more, and r in that stress is the stretched one.
+# The growth law depends only on the ratio of stress to threshold, and the stress of a membrane is
+# p r / 2h. So turgor / 0.9 should have the effect of 0.9 σ_trs. It has more, because it also
+# stretches the wall, which increases r.
 higher, lower = simulate(bud.with_values({"turgor.pressure": p / 0.9})), results[0.9]
 
 
 def growth(result, time):
-    """Volume grown since the turgor was applied, over V0."""
+    """Return the increase of V/V0 since turgor was applied."""
     history = result.history
     return history.at(time).volume_ratio - history.at(bud.turgor.ramp).volume_ratio
 
@@ -39,10 +39,10 @@ def growth(result, time):
 for time in (20, 40, 60):
     by_turgor, by_threshold = growth(higher, time), growth(lower, time)
     print(
-        f"{time} min: grown by {by_threshold:.5f} V0 with σ_trs · 0.9, by {by_turgor:.5f} V0 "
-        f"with turgor / 0.9, {by_turgor / by_threshold - 1:.1%} more"
+        f"{time} min: growth {by_threshold:.5f} V0 with 0.9 σ_trs, {by_turgor:.5f} V0 "
+        f"with turgor / 0.9: {by_turgor / by_threshold - 1:.1%} more"
     )
 print(
-    f"Equilibrium is lost at {lower.end_time:.2f} min with σ_trs · 0.9, "
+    f"Equilibrium lost at {lower.end_time:.2f} min with 0.9 σ_trs, "
     f"at {higher.end_time:.2f} min with turgor / 0.9"
 )

@@ -1,8 +1,8 @@
-"""What people find hard about this model, one case a line, each held against a reference.
+"""Hard cases of this model, one per line, each compared with a reference.
 
-A case ends in a converged answer or in a reason that names the physics. Its reference is a closed
-form, the solution of a membrane, a scaling law, or the number of another code: "C++" are two-node
-elements with hand-derived tangents, uniform, 480 and 960 of them, extrapolated by their order 2.
+A case ends in a converged answer or with a physical reason. Its reference is a closed form, the
+solution of a membrane, a scaling law, or the result of another program: "C++" has two-node elements
+with hand-derived tangents on uniform meshes of 480 and 960 elements, extrapolated by their order 2.
 """
 
 from __future__ import annotations
@@ -46,17 +46,17 @@ class Case:
     Attributes
     ----------
     name, quantity
-        What is run and which number is read.
+        Name of the case and of the number that is compared.
     run
-        Runs it.
+        Function that runs it.
     status
-        How it must end.
+        Expected status.
     reference, tolerance
-        What the number must be, and how near.
+        Expected number and largest absolute difference from it.
     source
-        Where the reference comes from.
+        Source of the reference.
     says
-        What the message must contain.
+        Words that the message must contain.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Case:
     says: str = ""
 
     def passes(self, found: Found) -> bool:
-        """Whether the run ended as it must."""
+        """Return whether status, number and message are as expected."""
         near = abs(found.value - self.reference) <= self.tolerance
         return found.status == self.status and bool(near) and self.says in found.message
 
@@ -196,12 +196,12 @@ def walls() -> list[Case]:
         Case(f"bud, α = {a:g}", "V/V0", bud({"wall.ogden_exponent": a}), "finished", v, 1e-4, CPP)
         for a, v in BY_EXPONENT.items()
     ]
-    same_cells = {"numerics.elements": 960, "numerics.order": 1, "numerics.grading": "uniform"}
+    same_mesh = {"numerics.elements": 960, "numerics.order": 1, "numerics.grading": "uniform"}
     growing += [
         Case("bud, h/R = 1/5", "V/V0", bud({"wall.thickness": 0.5, "turgor.pressure": 5 * P}),
              "finished", 1.0749909, 1e-4, CPP),
         Case("bud, h/R = 1/125", "V/V0",
-             bud({**same_cells, "wall.thickness": 0.02, "turgor.pressure": P / 5,
+             bud({**same_mesh, "wall.thickness": 0.02, "turgor.pressure": P / 5,
                   "numerics.step": 1.0}),
              "finished", 1.3088989, 2e-5, f"{CPP}, on the same 960 elements"),
     ]  # fmt: skip
@@ -233,7 +233,7 @@ def zones() -> list[Case]:
         Case("4000 elements", "V/V0",
              bud({"numerics.elements": 4000, "numerics.order": 1, **until(40)}),
              "finished", 1.089066, 1e-4, CPP),
-        Case("cells of ratio 1000", "V/V0", uneven_mesh, "finished", CONVERGED, 1e-4, CPP),
+        Case("element sizes of ratio 1000", "V/V0", uneven_mesh, "finished", CONVERGED, 1e-4, CPP),
     ]  # fmt: skip
 
 
@@ -241,10 +241,10 @@ def loads() -> list[Case]:
     return [
         Case("pressure zero", "V/V0", bud({"turgor.pressure": 0.0}), "finished", 1, 1e-12,
              "at rest", "nothing grew"),
-        Case("elastic, pressure from outside", "V/V0",
+        Case("elastic, external pressure", "V/V0",
              lambda: volume(SPHERE.with_values({"turgor.pressure": -0.1})),
              "finished", inflated(-0.1), 2e-5, "membrane"),
-        Case("pressure from outside, growing", "V/V0 at 0.5 min",
+        Case("external pressure, growing", "V/V0 at 0.5 min",
              bud({"turgor.pressure": -0.1, **until(0.5)}), "finished", 0.9840452, 1e-5, CPP),
         Case("buckling, h/R = 1/100", "p/p_cl", lambda: buckles(R / 100),
              "finished", 1, 0.03, "Zoelly 1915", "unstable"),
@@ -255,16 +255,16 @@ def loads() -> list[Case]:
         Case("α = 8 has no limit point", "p R/(μ h)", lambda: largest_pressure(8.0),
              "finished", balloon(2.0, 8.0), 0.02, "membrane, λ = 2"),
         Case("bud deflated to 10 % and back", "V/V0 ratio", deflated_and_back, "finished", 1,
-             1e-10, "growth stands still"),
+             1e-10, "no growth"),
         Case("turgor off from 40 to 50 min", "V/V0", turgor_off, "finished", 1.213753, 1e-4,
-             f"{CPP}; residual stresses go on"),
+             f"{CPP}; residual stresses remain"),
         Case("turgor by a table, elastic", "V/V0", by_a_table, "finished", inflated(0.55 * P),
              2e-5, "membrane"),
     ]  # fmt: skip
 
 
 def hard_cases() -> list[Case]:
-    """All of them, in order."""
+    """Return all cases, in order."""
     return [*loss_of_equilibrium(), *steps(), *walls(), *zones(), *loads()]
 
 
@@ -280,10 +280,10 @@ def main() -> None:
         print(
             f"{case.name:34}{outcome.status:16}{outcome.value:13.7g}{case.reference:13.7g}"
             f"{case.tolerance:9.1g}{outcome.iterations:7}{perf_counter() - began:6.1f}  "
-            f"{case.quantity}; {case.source}{'' if passes else '   <-- not as it must be'}",
+            f"{case.quantity}; {case.source}{'' if passes else '   <-- not as expected'}",
             flush=True,
         )
-    print(f"{len(cases)} cases, {total} Newton iterations, {failed} not as they must be")
+    print(f"{len(cases)} cases, {total} Newton iterations, {failed} not as expected")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""How the numbers of the hard cases are found, each in a run of its own."""
+"""The runs that give the numbers of the hard cases."""
 
 from __future__ import annotations
 
@@ -11,15 +11,11 @@ import ufl
 from closed_forms import MU, H, P, R, buckling
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.geometry.curves import Sphere
-from fenics_yeast.geometry.intervals import Interval
+from fenics_yeast.geometry import Discretisation, Interval, Sphere
 from fenics_yeast.mechanics import Approximation, Law, Shell, WallProperties, growth_laws
 from fenics_yeast.mechanics import hyperelasticity as wall
 from fenics_yeast.simulation import Result, Status, build_shell
-from fenics_yeast.simulation.discretise import Discretisation
-from fenics_yeast.solve.equilibrium import Equilibrium
-from fenics_yeast.solve.runge_kutta import TABLEAUX
-from fenics_yeast.solve.time_stepper import TimeStepper
+from fenics_yeast.solve import TABLEAUX, Equilibrium, TimeStepper
 
 EDGE = R * np.pi * (1 - 24 / 180)  # arc length at the edge of the growing zone, µm
 
@@ -35,7 +31,7 @@ SPHERE = BUD.with_values({"growth": None, "run": None})
 
 @dataclass(frozen=True)
 class Found:
-    """What a run has found: its status, a number, and the Newton iterations it took."""
+    """Result of a case: status, number, Newton iterations and message."""
 
     status: Status
     value: float
@@ -48,13 +44,13 @@ def found(result: Result, value: float) -> Found:
 
 
 def volume(scene: Scene, **laws: Law) -> Found:
-    """V/V0 at the end."""
+    """Run a scene and find V/V0 at its end."""
     result = simulate(scene, **laws)
     return found(result, result.history.volume_ratio[-1] if len(result.history) else np.nan)
 
 
 def burst(scene: Scene) -> Found:
-    """Time at which the equilibrium is lost."""
+    """Run a scene and find the time at which equilibrium is lost."""
     result = simulate(scene)
     return found(result, result.end_time)
 
@@ -64,7 +60,7 @@ def bud(values: dict[str, object], **laws: Law) -> Callable[[], Found]:
 
 
 def slope(last: float) -> dict[str, object]:
-    """Turgor that goes from P to another pressure in MPa, linearly in 1000 min."""
+    """Return a turgor that changes linearly from P to another pressure in MPa in 1000 min."""
     return {"time": [0, 1000], "value": [P, last]}
 
 
@@ -72,11 +68,11 @@ def until(end: float) -> dict[str, object]:
     return {"run": {"end": end}}
 
 
-# Runs of their own ----------------------------------------------------------------------------
+# Runs with laws, meshes or steps of their own ---------------------------------------------------
 
 
 def stiffness_by_place(inside: float, outside: float) -> Law:
-    """Ogden's energy with one shear modulus in the zone and another outside."""
+    """Return Ogden's energy with one shear modulus in the zone and another outside."""
 
     def energy(eps_e, mu_zone, mu_rest):  # type: ignore[no-untyped-def]
         S = ufl.SpatialCoordinate(ufl.domain.extract_domains(eps_e)[0])[0]
@@ -87,7 +83,7 @@ def stiffness_by_place(inside: float, outside: float) -> Law:
 
 
 def growth_at_both_poles() -> Law:
-    """Equation (13) within 24° of either pole."""
+    """Return equation (13) within 24° of either pole."""
 
     def rate(point, sigma_trs, t_grw):  # type: ignore[no-untyped-def]
         S = ufl.SpatialCoordinate(ufl.domain.extract_domains(point.eps)[0])[0]
@@ -99,11 +95,11 @@ def growth_at_both_poles() -> Law:
 
 
 EVEN = {"numerics.elements": 60, "numerics.order": 4, "numerics.grading": "uniform"}
-HALF = {"turgor.pressure": P / 2, "growth.threshold": 0.5}  # what a wall of μ/10 can bear
+HALF = {"turgor.pressure": P / 2, "growth.threshold": 0.5}  # which a wall of μ/10 can carry
 
 
 def two_poles() -> Found:
-    """V/V0 grown with both poles growing over that with one."""
+    """Find the growth of V/V0 at both poles over that at one."""
     whole = {**EVEN, "growth.zone.half_angle": 180.0}
     both = volume(BUD.with_values(whole), growth_law=growth_at_both_poles())
     one = volume(BUD.with_values(EVEN))
@@ -112,7 +108,7 @@ def two_poles() -> Found:
 
 
 def uneven_mesh() -> Found:
-    """V/V0 at 80 min on 60 elements, alternately small and a thousand times larger."""
+    """Find V/V0 at 80 min on 60 elements, alternately small and a thousand times larger."""
     zone = np.tile([1.0, 1000.0], 15)
     rest = np.tile([1000.0, 1.0], 15)
     nodes = np.concatenate([[0], EDGE * np.cumsum(rest) / rest.sum()])
@@ -142,14 +138,14 @@ def path(values: dict[str, object]) -> Scene:
 
 
 def largest_pressure(alpha: float) -> Found:
-    """Largest p R/(μ h) on the way to eight volumes."""
+    """Find the largest p R/(μ h) on the path to V/V0 = 8."""
     goal = {"path": {"until": {"volume_ratio": 8.0}}, "wall.ogden_exponent": alpha}
     result = simulate(path(goal))
     return found(result, result.history.pressure_MPa.max() * R / (MU * H))
 
 
 def buckles(h: float) -> Found:
-    """Pressure from outside at which stability is lost, in parts of the classical one."""
+    """Find the external pressure at which stability is lost, over the classical one."""
     goal = {"control": "pressure", "until": {"pressure": -1.1 * buckling(h)}, "steps": 110}
     elements = int(20 * np.sqrt(R / h))
     values = {"wall.thickness": h, "path": goal, "numerics.elements": elements}
@@ -161,31 +157,31 @@ def buckles(h: float) -> Found:
 
 
 def membrane_error(ratio: float) -> Callable[[], Found]:
-    """V/V0 of an elastic sphere of h/R at a given stress."""
+    """Return a run of an elastic sphere of some h/R at a given stress."""
     h = ratio * R
     values = {"wall.thickness": h, "turgor.pressure": P * h / H}
     return lambda: volume(SPHERE.with_values(values))
 
 
 def deflated_and_back() -> Found:
-    """V/V0 of a bud after a fall of its turgor to 10 % and back, growth off, over that before."""
+    """Find V/V0 after turgor falls to 10 % and returns without growth, over V/V0 before."""
     shell = build_shell(BUD)
     with Equilibrium(shell, 1e-9) as equilibrium:
         evolution = TimeStepper(shell, equilibrium, TABLEAUX["sdirk3"], lambda time: P)
         iterations = evolution.load()
         iterations += sum(evolution.step(time).iterations for time in np.arange(2.0, 82.0, 2.0))
         before = shell.volume()
-        for part in (0.4, 0.1, 0.4, 1.0):  # growth stands still where no stage has a length
+        for part in (0.4, 0.1, 0.4, 1.0):  # solving for equilibrium only, so nothing grows
             shell.pressure.value = part * P
             iterations += equilibrium.solve()
     return Found("finished", shell.volume() / before, iterations)
 
 
 def turgor_off() -> Found:
-    """V/V0 of a bud that was without turgor for ten of its 90 min.
+    """Find V/V0 of a bud that has no turgor for ten of its 90 min.
 
-    It is not that of 80 min: at the zone's edge the stresses that growth leaves behind exceed the
-    threshold without any turgor.
+    It differs from V/V0 at 80 min: at the zone's edge the residual stresses of growth exceed the
+    threshold without turgor.
     """
     edges = [0, 40, 40.01, 50, 50.01]
     table = {"time": edges, "value": [P, P, 0, 0, P]}
@@ -193,6 +189,6 @@ def turgor_off() -> Found:
 
 
 def by_a_table() -> Found:
-    """V/V0 of an elastic cell whose turgor is given by times and values, at half of its fall."""
+    """Find V/V0 of an elastic cell with turgor by times and values, halfway down a ramp."""
     table = {"time": [0, 30, 40], "value": [P, P, P / 10]}
     return volume(BUD.with_values({"growth": None, "turgor.pressure": table, **until(35)}))

@@ -1,8 +1,8 @@
 """Mother and daughter: a septum closes the bud neck at 85 min, and both continue as separate cells.
 
-The septum is a rigid disc: it holds radius and rotation of the wall at the neck. Each piece begins
-with the wall as the cut has left it, so that nothing moves at the cut and the two volumes add up to
-that of the whole. The daughter grows until 90 min; the mother buds again at her other pole.
+The septum is a rigid disc that fixes radius and rotation of the wall at the neck. Each cell starts
+from the state of the wall at the separation, so that nothing moves then and the two volumes add up
+to that of the whole. The daughter grows until 90 min; the mother buds again at her other pole.
 """
 
 from pathlib import Path
@@ -14,8 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.simulation.discretise import discretise
-from fenics_yeast.simulation.separation import pieces
+from fenics_yeast.simulation import discretise, pieces
 
 CUT = 85.0
 bud = Scene.load(Path(__file__).parent / "scenes" / "bud.toml").with_values({"numerics": {}})
@@ -34,7 +33,7 @@ for name, result in (("whole", whole), ("mother", mother), ("daughter", daughter
         print(f"{name}: {row.volume_um3:.12f} µm³ after {row.time_min:g} min")
 sum_of_both = mother.history.volume_um3[0] + daughter.history.volume_um3[0]
 gap = sum_of_both / whole.history.volume_um3[-1] - 1
-print(f"At the cut the volumes add up to {gap:.0e}")
+print(f"Relative gap of the volumes at the separation: {gap:.0e}")
 
 figure = Path("out/septum.png")
 figure.parent.mkdir(exist_ok=True)

@@ -1,11 +1,11 @@
-"""Speed against error: what the volume curve of the budding cell costs, scheme by scheme.
+"""Speed against error: time taken and error of V/V0 of the budding cell for each scheme.
 
-The bud of the paper grows for 90 min. Every scheme is run on it with coarse and fine settings:
-Runge-Kutta methods in time, elements of degree 1 to 4, equal and graded, points through
-the thickness, shear penalties. The error is the largest relative one of V/V0 at 40, 70, 80 and
-90 min; the truth is a far finer run, itself held against volumes that two other programs have
-computed. The time is that of the time stepping alone, the least of several runs after a first one
-that does not count. With ``--floor PROGRAM`` the paper's scheme in C++ is timed beside it.
+The bud of the paper grows for 90 min. Each scheme is run with coarse and fine settings: Runge-Kutta
+methods in time, elements of degree 1 to 4, uniform and graded, through-thickness integration
+points, shear penalties. The error is the largest relative error of V/V0 at 40, 70, 80 and 90 min.
+The reference is a much finer run, which is compared with volumes from two other programs. The time
+is that of the time stepping only, the minimum of several runs after a first one that is discarded.
+With ``--floor PROGRAM`` the paper's scheme in C++ is timed too.
 
 Writes out/speed_against_error.csv and out/speed_against_error.png.
 """
@@ -27,15 +27,14 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from fenics_yeast import Scene, simulate
 
 TIMES = (40.0, 70.0, 80.0, 90.0)  # min
-WANTED = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # errors of the table for users
+REQUESTED = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # errors in the table for users
 PAPER = "the paper's scheme"
 PRESET = "default preset"
 COLOURS = ("#000000", "#e69f00", "#0072b2", "#cc79a7", "#009e73", "#56b4e9")  # Okabe and Ito
 PANELS = ("integrators", "elements", "wall")
 
-# V/V0 at TIMES with 3, 5 and 9 points through the thickness: two programs that share nothing with
-# this one, two-node elements in C++ and elements of degree 4 in NumPy. They agree to 2e-5, at
-# 90 min to 5e-5.
+# V/V0 at TIMES with 3, 5 and 9 through-thickness integration points by two independent programs:
+# two-node elements in C++ and elements of degree 4 in NumPy. They agree to 2e-5, at 90 min to 5e-5.
 REFERENCE = {
     3: (1.089066, 1.155312, 1.211736, 1.360678),
     5: (1.088995, 1.154472, 1.209810, 1.353801),
@@ -50,14 +49,14 @@ BUD = Scene.load(Path(__file__).parent / "scenes" / "bud.toml").with_values(
     }
 )
 FINE = {"elements": 48, "tolerance": 1e-7}
-PRECISE = {"elements": 33, "tolerance": 1e-6}  # its error is that of what is changed besides
+PRECISE = {"elements": 33, "tolerance": 1e-6}  # so that the error is that of the setting under test
 
 
 @dataclass(frozen=True)
 class Scheme:
     """Settings to be timed: a point of a line in one panel of the figure.
 
-    `truth` names the run that it is held against.
+    `truth` names the run that it is compared with.
     """
 
     panel: str
@@ -69,7 +68,7 @@ class Scheme:
 
 @dataclass(frozen=True)
 class Measured:
-    """A row of the table; V/V0 errors are relative, times in s."""
+    """A row of the table; relative errors of V/V0, times in s."""
 
     panel: str
     line: str
@@ -82,7 +81,7 @@ class Measured:
 
 
 def ladder(quick: bool) -> Iterator[Scheme]:
-    """Every scheme, coarse to fine; a few of each line if it must be quick."""
+    """Yield all schemes, coarse to fine; with `quick` only a few of each line."""
 
     def some(values: tuple) -> tuple:
         return values[:2] if quick else values
@@ -95,7 +94,7 @@ def ladder(quick: bool) -> Iterator[Scheme]:
             numerics = {"integrator": "sdirk2", "tolerance": tolerance}
             yield Scheme("integrators", "sdirk2, adaptive", setting, numerics)
     fixed = {
-        "forward-euler": (0.5, 0.25, 0.125),  # longer ones are beyond its stability
+        "forward-euler": (0.5, 0.25, 0.125),  # longer steps are unstable
         "backward-euler": (0.8, 0.4, 0.2, 0.1),
         "sdirk2": (5.0, 2.5, 1.25, 0.625),
         "sdirk3": (5.0, 2.5, 1.25, 0.625),
@@ -108,9 +107,9 @@ def ladder(quick: bool) -> Iterator[Scheme]:
         "integrators", PAPER, "preset paper", {"preset": "paper", "thickness_points": 3}, "conical"
     )
 
-    cells = {1: (60, 120, 240), 2: (24, 48, 96), 3: (16, 32, 64), 4: (8, 16, 32)}
+    numbers = {1: (60, 120, 240), 2: (24, 48, 96), 3: (16, 32, 64), 4: (8, 16, 32)}
     for grading, times in (("graded", 1),) if quick else (("graded", 1), ("uniform", 4)):
-        for order, counts in cells.items():
+        for order, counts in numbers.items():
             for elements in (times * count for count in some(counts)):
                 numerics = PRECISE | {"order": order, "grading": grading, "elements": elements}
                 line = f"degree {order}, {grading}"
@@ -118,14 +117,14 @@ def ladder(quick: bool) -> Iterator[Scheme]:
 
     for points in (2, 3) if quick else (2, 3, 5, 9):
         numerics = PRECISE | {"thickness_points": points}
-        yield Scheme("wall", "points through the thickness", f"{points} points", numerics, "wall")
+        yield Scheme("wall", "integration points", f"{points} points", numerics, "wall")
     for penalty in some((1.0, 10.0, 100.0, 1000.0)):
         numerics = PRECISE | {"shear_penalty": penalty}
         yield Scheme("wall", "shear penalty", f"κ = {penalty:g}", numerics, "no shear")
 
 
 def run(numerics: dict[str, object]):
-    """Result of the bud with some numerics changed."""
+    """Return the result of the bud with some numerics changed."""
     result = simulate(BUD.with_values({f"numerics.{key}": v for key, v in numerics.items()}))
     if result.status != "finished":
         raise SystemExit(f"{numerics}: {result.message}")
@@ -133,15 +132,15 @@ def run(numerics: dict[str, object]):
 
 
 def volumes(result) -> np.ndarray:
-    """V/V0 at TIMES."""
+    """Return V/V0 at TIMES."""
     return np.array([result.history.at(time).volume_ratio for time in TIMES])
 
 
 @cache
 def truth(name: str, quick: bool) -> np.ndarray:
-    """V/V0 at TIMES without the error of what the name says.
+    """Return V/V0 at TIMES without the error that the name states.
 
-    Conical elements converge to a limit of their own: they lack the meridian's curvature.
+    Conical elements converge to another limit, because they lack the meridian's curvature.
     """
     best = PRECISE if quick else FINE
     if name == "curved":
@@ -151,8 +150,8 @@ def truth(name: str, quick: bool) -> np.ndarray:
     if name == "conical":
         linear = {"preset": "paper", "thickness_points": 3, "integrator": "sdirk3"}
         linear |= {"step": 1.0}
-        cells = (480, 960) if quick else (960, 1920)
-        coarse, fine = (volumes(run(linear | {"elements": n})) for n in cells)
+        numbers = (480, 960) if quick else (960, 1920)
+        coarse, fine = (volumes(run(linear | {"elements": n})) for n in numbers)
         return fine + (fine - coarse) / 3  # second order
     few, many = (3, 5) if quick else (5, 9)
     coarse, fine = (volumes(run(best | {"thickness_points": n})) for n in (few, many))
@@ -160,14 +159,14 @@ def truth(name: str, quick: bool) -> np.ndarray:
 
 
 def error(found: np.ndarray, reference: np.ndarray) -> float:
-    """Largest relative error."""
+    """Return the largest relative error."""
     return float(np.abs(found / reference - 1).max())
 
 
 def measure(schemes: list[Scheme], repeats: int, quick: bool) -> list[Measured]:
-    """Run every scheme several times, in turns, so that each meets the same machine.
+    """Run all schemes several times, in turns, so that each is timed under the same load.
 
-    The first run of each does not count for its time, unless it is the only one.
+    The time of the first run of each is discarded, unless it is the only one.
     """
     turns = [[run(scheme.numerics) for scheme in schemes] for _ in range(repeats)]
     rows = []
@@ -188,14 +187,14 @@ def measure(schemes: list[Scheme], repeats: int, quick: bool) -> list[Measured]:
 
 
 def draw(rows: list[Measured], floor_s: float | None, path: Path) -> None:
-    """Error against time, a panel for each subject.
+    """Draw error against time, a panel for each subject.
 
-    The paper's scheme in C++ has the error that it has here, and a time of its own.
+    The paper's scheme in C++ is drawn with the error of the same scheme here.
     """
     paper = next(row for row in rows if row.line == PAPER)
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     panels = figure.subplots(1, len(PANELS), sharex=True, sharey=True)
-    titles = ("time stepping", "elements", "points through the wall, shear")
+    titles = ("time stepping", "elements", "integration points, shear")
     for axes, panel, title in zip(panels, PANELS, titles, strict=True):
         draw_lines(axes, [row for row in rows if row.panel == panel])
         if floor_s is not None:
@@ -213,7 +212,7 @@ def draw(rows: list[Measured], floor_s: float | None, path: Path) -> None:
 
 
 def draw_lines(axes: Axes, rows: list[Measured]) -> None:
-    """A line for each scheme; the preset stands out, the paper's scheme is a star."""
+    """Draw a line for each scheme; the preset is bold, the paper's scheme is a star."""
     for line in dict.fromkeys(row.line for row in rows):
         points = [(row.loop_s, row.error) for row in rows if row.line == line]
         style = {"marker": "o", "ms": 3.5, "lw": 1.2, "color": COLOURS[len(axes.lines) % 6]}
@@ -229,8 +228,8 @@ def draw_lines(axes: Axes, rows: list[Measured]) -> None:
 
 
 def machine() -> str:
-    """What the times were measured on."""
-    import dolfinx  # found by the package, wherever it comes from
+    """Return the processor and versions on which times were measured."""
+    import dolfinx  # importable because the package has found it
 
     lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
     models = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
@@ -247,11 +246,11 @@ def main() -> None:
     print(machine())
 
     away = error(truth("curved", given.quick), np.array(REFERENCE[3]))
-    print(f"Truth: a fine run of this program, {away:.1e} from the volumes of other programs")
+    print(f"Reference: a fine run, {away:.1e} from the volumes of other programs")
     if away > 5e-5:
-        raise SystemExit("the truth is not that of the other programs, which agree to 5e-5")
+        raise SystemExit("error: the reference differs from the two programs, which agree to 5e-5")
     facets = error(truth("conical", given.quick), truth("curved", given.quick))
-    print(f"The paper's conical elements tend to volumes that are {facets:.1e} away")
+    print(f"The paper's conical elements converge to volumes that differ by {facets:.1e}")
 
     rows = measure([*ladder(given.quick)], repeats, given.quick)
     for row in rows:
@@ -270,10 +269,10 @@ def main() -> None:
     draw(rows, floor_s, out / "speed_against_error.png")
     print(f"Figure and table: {out}/speed_against_error.png, .csv")
     print("\n| requested error of V/V0 | error found | time of the loop |\n|---|---|---|")
-    wanted = {f"tolerance {tolerance:g}": tolerance for tolerance in WANTED}
+    requested = {f"tolerance {tolerance:g}": tolerance for tolerance in REQUESTED}
     for row in rows:
-        if row.line == PRESET and row.setting in wanted:
-            tolerance = f"{wanted[row.setting]:.0e}".replace("e-0", "e-")
+        if row.line == PRESET and row.setting in requested:
+            tolerance = f"{requested[row.setting]:.0e}".replace("e-0", "e-")
             print(f"| {tolerance} | {row.error:.1e} | {row.loop_s:.3f} s |")
 
 

@@ -1,16 +1,16 @@
-"""The balance of a steadily growing tip, for a wall that is stiff against its turgor.
+"""Steady growth of a tip whose wall is stiff compared with its turgor.
 
-Such a wall is a membrane that does not stretch but grows. Let s be the arc length from the tip,
-r(s) the radius, φ(s) the angle of the meridian against the plane of the tip, and v(s) the speed
+Such a wall is a membrane that grows but does not stretch. Let s be the arc length from the tip,
+r(s) the radius, φ(s) the angle between the meridian and the plane of the tip, and v(s) the speed
 of the wall away from the tip. Steady growth by equation (13), weighted by w(s), is
 
     v' = g σ1/‖σ‖,     v cos φ / r = g σ2/‖σ‖,     g = w(s)/t_grw <‖σ‖/σ_trs - 1>⁺
     σ1 = p / (2 h κ2),  σ2 = σ1 (2 - κ1/κ2),  κ1 = φ',  κ2 = sin φ / r,  r' = cos φ
 
-The second equation gives κ1, hence φ'. Of all curvatures at the tip only one leads to a tube: with
-a larger one the meridian turns back to the axis, with a smaller one it never becomes parallel to
-it. Lengths are in widths of the Gaussian w, times in t_grw, stresses in thresholds; what is left
-is the load p width / (2 h σ_trs).
+The second equation gives κ1, hence φ'. Only one curvature at the tip leads to a tube: with a larger
+one the meridian turns back to the axis, with a smaller one it never becomes parallel to it. Units
+of length, time and stress are the width of the Gaussian w, t_grw and the threshold; the remaining
+parameter is the load p width / (2 h σ_trs).
 """
 
 import numpy as np
@@ -21,22 +21,22 @@ FURTHEST = 7.0  # widths from the tip, beyond which nothing grows
 
 
 def growth_rates(s, sigma1, sigma2):
-    """Rates of both strains at a distance s from the tip, times t_grw; stresses in thresholds."""
+    """Return the rates of both growth strains at a distance s from the tip."""
     size = np.hypot(sigma1, sigma2)
     rate = np.exp(-(s**2) / 2) * max(size - 1, 0)
     return rate * sigma1 / size, rate * sigma2 / size
 
 
 def dome(load, curvature):
-    """`(s, r, φ, v)` from the tip to where the meridian is parallel to the axis, if it ever is."""
+    """Integrate `r, φ, v` from the tip to where the meridian is parallel to the axis, if it is."""
 
     def slope(s, y):
         r, phi, v = y
         sigma1 = load * r / np.sin(phi)
-        wanted = v * np.cos(phi) / r
+        hoop = v * np.cos(phi) / r
 
         def missing(ratio):
-            return growth_rates(s, sigma1, ratio * sigma1)[1] - wanted
+            return growth_rates(s, sigma1, ratio * sigma1)[1] - hoop
 
         ratio = 2.0 if missing(2.0) < 0 else brentq(missing, -2, 2, xtol=1e-13)
         sigma = growth_rates(s, sigma1, ratio * sigma1)
@@ -55,7 +55,7 @@ def dome(load, curvature):
 
 
 def steady(load):
-    """Radius and speed of the tube, in widths and widths per t_grw, of `p width / (2 h σ_trs)`."""
+    """Return radius and speed of the tube for the load `p width / (2 h σ_trs)`."""
     flat, sharp = 0.5, 1.1
     while sharp - flat > 1e-9:
         curvature = (flat + sharp) / 2
@@ -67,7 +67,7 @@ def steady(load):
     s, (r, _, v) = solution.t[-1], solution.y[:, -1]
 
     def tube(s, y):
-        """What little still grows there, on a cylinder."""
+        """Return the slopes of r and v on the cylinder, where growth fades."""
         along, around = growth_rates(s, load * y[0], 2 * load * y[0])
         return [y[0] * around / y[1], along]
 

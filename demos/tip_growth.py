@@ -1,9 +1,9 @@
 """A hypha: a tube that keeps its radius while its tip advances at constant speed.
 
 Growth is polarised: its rate is weighted by a Gaussian of the arc length from the tip, which stays
-at the tip while the wall moves out of it. The wall's energy is counted per grown volume: counted
-per reference volume, the wall would soften as it grows, and there would be no steady state.
-Radius and speed are held against the balance of the model in tip_balance.py.
+at the tip while the wall moves away from it. The wall's energy is per unit grown volume: per unit
+reference volume the wall would soften as it grows, and there would be no steady state. Radius and
+speed are compared with the balance in tip_balance.py.
 """
 
 from itertools import pairwise
@@ -43,7 +43,7 @@ for wall, colour in zip(result.profiles, plt.cm.viridis_r(np.linspace(0.15, 1, 9
 shapes.vlines([-radius, radius], *shapes.get_ylim(), color="0.5", lw=1, ls="--", zorder=0)
 shapes.set(xlabel="r (µm)", ylabel="z (µm)", aspect="equal", xlim=(-2.6, 2.6), title="every 5 min")
 time, height = result.history.time_min, result.history.pole_height_um
-late = time > 0.1  # before that the wall mostly stretches
+late = time > 0.1  # earlier, the wall mainly stretches
 advance = np.diff(height[late]) / np.diff(time[late])
 speeds.plot(time[late][1:], advance, color="#0072b2", label="shell")
 speeds.axhline(speed, color="0.5", ls="--", lw=1, label="balance")

@@ -1,8 +1,7 @@
-"""Where the time of a run goes, and how it grows with elements and points through the thickness.
+"""Time of a run by part, and how it grows with elements and through-thickness integration points.
 
-The time stepping of the bud, set-up and output excluded. The parts are timed one within another:
-what is left to Python is the loop less all that is compiled. The first time, compiling the forms of
-16 points takes some minutes.
+Only the time stepping of the bud is timed, without set-up and output. The time in Python is that of
+the loop less all compiled parts. When first run, compiling the forms of 16 points takes minutes.
 """
 
 import subprocess
@@ -32,7 +31,7 @@ spent = {"residual": 0.0, "Jacobian": 0.0, "solve": 0.0, "local update": 0.0, "f
 
 
 def timed(part: str, function: Callable) -> Callable:
-    """The function, its time added to a part."""
+    """Return a function whose time is added to a part."""
 
     @wraps(function)
     def call(*arguments, **options):
@@ -46,13 +45,13 @@ def timed(part: str, function: Callable) -> Callable:
 
 
 def linear_algebra() -> float:
-    """Seconds that PETSc has spent on factors and on solving with them."""
+    """Return the seconds that PETSc has spent on factorisation and solution."""
     events = [PETSc.Log.Event(name) for name in ("PCSetUp", "KSPSolve")]
     return sum(event.getPerfInfo()["time"] for event in events)
 
 
 def best(numerics: dict[str, object], end: float = 90.0) -> tuple[Result, dict[str, float]]:
-    """The fastest of some runs to a time in min: its result, and seconds by part."""
+    """Return the result of the fastest of some runs to a time in min, and its seconds by part."""
     scene = BUD.with_values({"run": {"end": end}, "numerics": numerics})
     fastest, parts = None, {}
     for _ in range(REPEATS):
@@ -68,8 +67,8 @@ def best(numerics: dict[str, object], end: float = 90.0) -> tuple[Result, dict[s
 
 
 def split() -> None:
-    """Print the parts of an iteration for each preset."""
-    simulate(BUD)  # a first run that does not count
+    """Print the time of an iteration by part for each preset."""
+    simulate(BUD)  # a first run, which is discarded
     print(f"{'µs per Newton iteration':24}", *(f"{part:>13}" for part in [*spent, "Python", "all"]))
     for name, numerics in PRESETS.items():
         result, parts = best(numerics)
@@ -77,7 +76,7 @@ def split() -> None:
         print(f"{name:24}", *(f"{1e6 * part / n:13.0f}" for part in [*parts.values(), loop]))
         print(f"{'':24}", *(f"{part / loop:13.0%}" for part in [*parts.values(), loop]))
         steps = f"{n} iterations in {result.steps} steps, {loop:.3f} s"
-        print(f"{'':24} {steps}, {result.dofs} unknowns")
+        print(f"{'':24} {steps}, {result.dofs} DOFs")
 
 
 def growth_with(key: str, values: Sequence[int]) -> None:
@@ -94,7 +93,7 @@ def growth_with(key: str, values: Sequence[int]) -> None:
 
 
 def memory() -> None:
-    """Print what a process with one run takes at most."""
+    """Print the peak memory of a process with one run."""
     code = """
 import resource, sys
 from fenics_yeast import Scene, simulate

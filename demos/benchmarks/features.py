@@ -1,7 +1,7 @@
 """Cost of each feature of a scene: DOFs, growth strains, time of a Newton iteration.
 
-The table of `docs/cost.md`, which `--write` replaces. Every scene is run twice and the second run
-counts, so that nothing is compiled in it; the minimum of several runs is reported.
+The table of `docs/cost.md`, which `--write` replaces. A first run of each scene, which may compile
+forms, is discarded; the minimum of several others is reported.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ FEATURES: dict[str, dict[str, object]] = {
 
 
 def measured(values: dict[str, object]) -> tuple[int, int, int, float]:
-    """DOFs, growth strains, Newton iterations, microseconds of each."""
+    """Return numbers of DOFs, growth strains and iterations, and microseconds per iteration."""
     scene = BUD.with_values(values)
     shell = build_shell(scene)
     state = 0 if shell.growth is None else shell.growth.get().size

@@ -1,9 +1,9 @@
-"""The presets beside a C++ program of the same model, loop against loop.
+"""Time of the presets' loops compared with that of a C++ program of the same model.
 
 The program solves the paper's scheme (480 conical two-node elements, backward Euler, steps of
-0.2 min, 3 points through the thickness) and prints ``time X s``. It is not part of this
-repository: ``--floor PROGRAM`` names it. All take turns, so that each meets the same machine; the
-least time of each counts.
+0.2 min, 3 through-thickness integration points) and prints ``time X s``. It is not part of this
+repository; ``--floor PROGRAM`` names it. All run in turns, so that each is timed under the same
+load; the minimum of each is reported.
 """
 
 import argparse
@@ -28,7 +28,7 @@ ROUNDS = 5
 
 
 def native(program: Path) -> float:
-    """Seconds that the program says it took."""
+    """Return the seconds that the program reports."""
     done = subprocess.run([program, *GIVEN], capture_output=True, text=True, check=True)
     return float(re.search(r"time ([\d.]+) s", done.stdout)[1])
 
@@ -40,11 +40,11 @@ def main() -> None:
     if program is None:
         print("No C++ program to compare with. Build one that takes the arguments")
         print(f"    {' '.join(GIVEN)}")
-        print("with g++ -O3 -march=native -ffast-math, and name it by --floor PROGRAM.")
+        print("with g++ -O3 -march=native -ffast-math, then rerun with --floor PROGRAM.")
 
     scenes = {name: BUD.with_values({"numerics": given}) for name, given in PRESETS.items()}
     for scene in scenes.values():
-        simulate(scene)  # a first run that does not count
+        simulate(scene)  # a first run, which is discarded
     times: dict[str, list[float]] = {}
     for _ in range(ROUNDS):
         for name, scene in scenes.items():
@@ -52,7 +52,7 @@ def main() -> None:
             if program is not None:
                 times.setdefault(FLOOR, []).append(native(program))
 
-    print(f"loop of the bud to 90 min, least of {ROUNDS}")
+    print(f"loop of the bud to 90 min, minimum of {ROUNDS}")
     for name, seconds in times.items():
         ratio = f"{min(seconds) / min(times[FLOOR]):8.2f} x C++" if FLOOR in times else ""
         print(f"{name:26} {min(seconds):8.3f} s {ratio}")

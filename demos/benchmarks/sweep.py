@@ -1,7 +1,7 @@
-"""How well a sweep fills the cores: the time of one process over N times that of N processes.
+"""Parallel efficiency of a sweep: time of one process over N times that of N processes.
 
-60 cases of about a second, forms compiled before; start-up, table and figure are counted in. With
-`--mpi` the ranks of mpirun take the place of processes.
+60 cases of about a second with compiled forms; start-up, table and figure are included. With
+`--mpi`, ranks of mpirun are used instead of processes.
 """
 
 import argparse
@@ -16,15 +16,15 @@ SCENE = Path(__file__).parent.parent / "scenes" / "bud.toml"
 COMMAND = [sys.executable, "-m", "fenics_yeast"]
 
 
-def run(folder: Path, cases: int, step: float, width: int, mpi: bool) -> float:
-    """Seconds that a sweep takes from start to end."""
+def run(directory: Path, cases: int, step: float, width: int, mpi: bool) -> float:
+    """Return the seconds of a sweep from start to end."""
     launch = ["mpirun", "-n", str(width)] if mpi else []
     jobs = [] if mpi and width > 1 else ["--jobs", str(width)]
     command = [*(launch if width > 1 else []), *COMMAND, "sweep", SCENE, "--quiet", *jobs]
     vary = ["--vary", f"growth.time=45:75:{cases}", "--set", f"numerics.step={step}"]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
     began = perf_counter()
-    subprocess.run([*command, *vary, "--out", folder], check=True, env=environment)
+    subprocess.run([*command, *vary, "--out", directory], check=True, env=environment)
     return perf_counter() - began
 
 
@@ -33,7 +33,7 @@ def main() -> None:
     parser.add_argument("--width", type=int, default=2, help="number of processes or ranks")
     parser.add_argument("--cases", type=int, default=60)
     parser.add_argument("--step", type=float, default=0.14, help="time step of a case in min")
-    parser.add_argument("--mpi", action="store_true", help="ranks in place of processes")
+    parser.add_argument("--mpi", action="store_true", help="use ranks instead of processes")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         run(Path(folder, "first"), 2, given.step, 1, False)  # compiles

@@ -1,27 +1,27 @@
-"""A Belleville spring, pressed flat and beyond by a ring load on its inner edge.
+"""A Belleville spring, pressed beyond its flat state by a ring load on its inner edge.
 
 K. S. Surana, Geometrically nonlinear formulation for the axisymmetric shell elements, Int. J.
 Numer. Meth. Eng. 18, 1982, 477-502: r from 7.62 to 2.54, rise 1.27, thickness 0.508 cm, E = 2100,
-ν = 0.3, the outer edge held along the axis; load per length of the inner edge.
+ν = 0.3, the outer edge axially supported; load per length of the inner edge.
 
 The published loads are 4 to 6 % above ours up to the flat state, and 7 % below at the minimum. An
 axisymmetric solid of the same dimensions, with quadratic elements, Green-Lagrange strain and the
-same law, says that ours are right, to 1 %: loads and supports at the corners in place of the
-mid-surface move it by less than half of the gap. A rise of 1.30 would bring all five within 3 % of
-theirs. All five lie between ours and those of a cross-section that turns without bending,
+same law, agrees with ours to 1 %. Loads and supports at the corners instead of the mid-surface
+change it by less than half of the gap. With a rise of 1.30 all five would agree within 3 %. All
+five lie between our loads and those of a cross-section that turns without bending,
 
     P = 4 E d / ((1 - ν²) K D²) ((H - d)(H - d/2) t + t³)
 
 (J. O. Almen and A. Laszlo, The uniform-section disk spring, Trans. ASME 58, 1936, 305-314), as
-loads of an element too stiff along the meridian would. Hence asserted are the solid, to 1.2 %, and
-Surana's, to 7.5 % on the side that is away from such a cross-section.
+for elements that are too stiff along the meridian. The tests therefore compare with the solid, to
+1.2 %, and with Surana, to 7.5 % on the side of such a cross-section.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import ufl
-from benchmark import Row, picture, show
+from benchmark import Row, figure_axes, show
 from numpy.typing import NDArray
 from solid import Solid
 
@@ -50,12 +50,12 @@ numerics = {{ elements = 12, order = 4, grading = "uniform", thickness_points = 
 
 
 def shell() -> History:
-    """The path over the largest load, through the flat state, to the smallest load and beyond."""
+    """Return the path over the maximum load, through the flat state, beyond the minimum load."""
     return simulate(SCENE).history
 
 
 def solid(deflections: list[float]) -> list[float]:
-    """Loads per length of the inner edge that the axisymmetric solid needs."""
+    """Return the loads per length of the inner edge of the axisymmetric solid."""
     length = np.hypot(OUTER - INNER, RISE)
     angle = np.arctan2(RISE, INNER - OUTER)
 
@@ -75,17 +75,17 @@ def solid(deflections: list[float]) -> list[float]:
     pressed = wall.hold(1, lambda x: np.isclose(x[0], length) & (abs(x[1]) < middle), moved)
     solve = wall.solver([rest, pressed])
     loads, now = [], 0.0
-    for wanted in deflections:
-        for moved.value in -np.linspace(now, wanted, 9)[1:]:
+    for deflection in deflections:
+        for moved.value in -np.linspace(now, deflection, 9)[1:]:
             solve()
-        now = wanted
+        now = deflection
         reaction = fem.petsc.assemble_vector(wall.form).array[pressed.dof_indices()[0][0]]
         loads.append(-2 * np.pi * reaction / AROUND)
     return loads
 
 
 def rigid(deflections: Array) -> Array:
-    """Loads per length of the inner edge of a cross-section that turns without bending."""
+    """Return the loads per length of a cross-section that turns without bending."""
     d, ratio = deflections, OUTER / INNER
     K = ((ratio - 1) / ratio) ** 2 / ((ratio + 1) / (ratio - 1) - 2 / np.log(ratio)) / np.pi
     stiffness = 4 * YOUNG / ((1 - POISSON**2) * K * (2 * OUTER) ** 2)
@@ -113,7 +113,7 @@ def main() -> None:
     history = shell()
     found = rows(history)
     show(found)
-    with picture("belleville") as axes:
+    with figure_axes("belleville") as axes:
         load = -history.force_uN / AROUND
         axes.plot(-history.displacement_um, load, color="#0072b2", label="shell")
         axes.plot(

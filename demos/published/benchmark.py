@@ -1,4 +1,4 @@
-"""A row of a benchmark's table: our number beside a published one; how it is printed and drawn."""
+"""Rows of a verification table: our number and a published one, printed and drawn."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Row:
-    """A number that was found, and the range in which it must lie.
+    """A computed number and the range in which it must lie.
 
     Attributes
     ----------
     what
         What is compared.
     found, published
-        Our number, and theirs; where several were published, the one in the middle.
+        Our number and the published one; the median if there are several.
     least, most
-        The range in which ours must lie.
+        The range in which our number must lie.
     """
 
     what: str
@@ -31,18 +31,18 @@ class Row:
 
     @classmethod
     def near(cls, what: str, found: float, published: float, tolerance: float) -> Row:
-        """A row whose number lies within a relative tolerance of the published one."""
+        """Return a row whose range is a relative tolerance around the published number."""
         away = abs(published) * tolerance
         return cls(what, float(found), published, published - away, published + away)
 
     @property
     def holds(self) -> bool:
-        """Whether our number lies in the range."""
+        """Return whether our number lies in the range."""
         return self.least <= self.found <= self.most
 
 
 def show(rows: Sequence[Row]) -> None:
-    """Print a table, and what does not hold."""
+    """Print a table; rows out of their range are marked."""
     print(f"{'':44}{'ours':>12}{'published':>12}{'difference':>12}")
     for row in rows:
         difference = f"{row.found / row.published - 1:.1e}" if row.published else "-"
@@ -51,8 +51,8 @@ def show(rows: Sequence[Row]) -> None:
 
 
 @contextmanager
-def picture(name: str) -> Iterator[Any]:
-    """Axes of a small picture in the folder `out`."""
+def figure_axes(name: str) -> Iterator[Any]:
+    """Yield axes of a small figure that is saved to the directory `out`."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -68,4 +68,4 @@ def picture(name: str) -> Iterator[Any]:
     axes.legend(frameon=False)
     figure.savefig(path, dpi=200)
     plt.close(figure)
-    print(f"Picture: {path}")
+    print(f"Figure: {path}")

@@ -1,14 +1,14 @@
 """A clamped round plate under pressure at large deflection, its edge immovable, ν = 0.3.
 
-Von Kármán's plate theory, solved to the digits given; S. Way's problem (Trans. ASME 56, 1934,
-627-636). Q = q a⁴/(E h⁴) and the deflection of the middle over the thickness. The theory is the
-limit of a thin shell; here a/h = 67.
+S. Way's problem (Trans. ASME 56, 1934, 627-636), von Kármán's plate theory solved to the digits
+given: deflection of the middle over the thickness for Q = q a⁴/(E h⁴). The theory is the limit of
+a thin shell; here a/h = 67.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from benchmark import Row, picture, show
+from benchmark import Row, figure_axes, show
 
 from fenics_yeast import Scene, simulate
 
@@ -26,7 +26,7 @@ numerics = {{ elements = 16, order = 3, thickness_points = 2 }}
 
 
 def deflection(Q: float) -> float:
-    """Deflection of the middle over the thickness."""
+    """Return the deflection of the middle over the thickness."""
     scene = SCENE.with_values({"path.until.pressure": Q * YOUNG * (H / A) ** 4})
     return float(simulate(scene).history.pole_height_um[-1] / H)
 
@@ -38,7 +38,7 @@ def rows() -> list[Row]:
 def main() -> None:
     found = rows()
     show(found)
-    with picture("clamped_plate") as axes:
+    with figure_axes("clamped_plate") as axes:
         Q = np.array(list(TABLE))
         axes.plot(Q, [row.found for row in found], color="#0072b2", label="shell, a/h = 67")
         axes.plot(Q, list(TABLE.values()), "o", color="#d55e00", label="von Kármán")

@@ -1,15 +1,15 @@
-"""How far the bending of a clamped edge reaches into a cylinder and into a half sphere.
+"""Decay length of bending at the clamped edge of a cylinder and of a hemisphere.
 
 S. Timoshenko and S. Woinowsky-Krieger, Theory of plates and shells, 1959, chapters 15 and 16: under
-pressure the wall moves outward by 1 - exp(-x/l) (cos x/l + sin x/l), in parts of what it does far
-from the edge, with the length l = √(R h)/(3 (1 - ν²))^¼. For the sphere that is Geckeler's
-approximation, the first term in √(h/R).
+pressure the outward displacement over that far from the edge is 1 - exp(-x/l) (cos x/l + sin x/l)
+with the length l = √(R h)/(3 (1 - ν²))^¼. For the sphere this is Geckeler's approximation, the
+first term in √(h/R).
 """
 
 from __future__ import annotations
 
 import numpy as np
-from benchmark import Row, picture, show
+from benchmark import Row, figure_axes, show
 from scipy.optimize import curve_fit
 
 from fenics_yeast import Scene, simulate
@@ -31,7 +31,7 @@ def published(h: float) -> float:
 
 
 def edge(shape: str, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Distance from the edge, and displacement away from the axis."""
+    """Return distance from the edge and displacement away from the axis."""
     pressure = 1e-6 * YOUNG * h / R  # small: linear
     scene = Scene.from_toml(f"""
     cell = {SHAPES[shape]}
@@ -61,13 +61,13 @@ def rows() -> list[Row]:
 
 def main() -> None:
     show(rows())
-    with picture("edge_bending") as axes:
+    with figure_axes("edge_bending") as axes:
         for shape, colour in (("cylinder", "#0072b2"), ("sphere", "#d55e00")):
             x, u = edge(shape, 0.001)
             axes.plot(x / published(0.001), u / u[-1], "o", ms=3, color=colour, label=shape)
         x = np.linspace(0, 5, 200)
         axes.plot(x, decay(x, 1, 1) / decay(5.0, 1, 1), color="0.6", label="theory")
-        axes.set(xlabel="distance from the edge / l", ylabel="displacement / that far away")
+        axes.set(xlabel="distance from the edge / l", ylabel="displacement / far-field value")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-"""A capsule and a spheroid whose whole wall grows, against a second program written here in NumPy.
+"""A capsule and a spheroid that grow everywhere, compared with a second program in NumPy.
 
-The reference shares no code with the package: two-node elements with one point each and hand-made
-forces, tangents by complex steps, the penalty on the shear strain in place of its multiplier, and
-the classical Runge-Kutta method for growth. What is compared is V/V0, the reference extrapolated
-from two meshes by its order, 2.
+The second program shares no code with the package: two-node elements with one point each, forces
+derived by hand, tangents by complex steps, a penalty on the shear strain instead of its multiplier,
+and the classical Runge-Kutta method for growth. Its V/V0 is extrapolated from two meshes by its
+order, 2.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from benchmark import Row, picture, show
+from benchmark import Row, figure_axes, show
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
@@ -25,7 +25,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Places:
-    """Nodes of a meridian by arc length, and R, Φ, Φ' in the middle of its elements."""
+    """Nodes of a meridian by arc length, and R, Φ, Φ' at the midpoints of its elements."""
 
     S: Array
     R: Array
@@ -64,24 +64,24 @@ class Wall:
         n = len(self.L)
         self.u = np.zeros(3 * (n + 1))
         self.zeta, self.weights = np.polynomial.legendre.leggauss(3)
-        self.grown = np.zeros((3, 2, n))  # at each thickness point
+        self.grown = np.zeros((3, 2, n))  # at each through-thickness integration point
         self.dofs = 3 * np.arange(n)[:, None] + np.arange(6)
-        # Of r, r', z', ψ, ψ' by the six unknowns of an element.
+        # Derivatives of r, r', z', ψ, ψ' by the six DOFs of an element.
         self.by = np.zeros((n, 5, 6))
         for row, i, kind in ((0, 0, 0), (1, 0, 1), (2, 1, 1), (3, 2, 0), (4, 2, 1)):
             ends = np.array([-1.0, 1.0]) / self.L[:, None] if kind else np.full((n, 2), 0.5)
             self.by[:, row, i], self.by[:, row, i + 3] = ends.T
-        held = [0, 1, 2, 3 * n, 3 * n + 2]
-        self.free = np.setdiff1d(np.arange(3 * (n + 1)), held)
+        constrained = [0, 1, 2, 3 * n, 3 * n + 2]
+        self.free = np.setdiff1d(np.arange(3 * (n + 1)), constrained)
 
     def measures(self, u: Array) -> Array:
-        """`r, r', z', ψ, ψ'` of each element, shape ``(5, n)``."""
+        """Return `r, r', z', ψ, ψ'` of each element, shape ``(5, n)``."""
         p = self.places
         reference = np.array([p.R, np.cos(p.Phi), np.sin(p.Phi), p.Phi, p.bend])
         return reference + np.einsum("nij,nj->in", self.by, u[self.dofs])
 
     def strains(self, s: Array, j: int) -> tuple[Array, Array]:
-        """`λ1², λ2²` at a thickness point."""
+        """Return `λ1², λ2²` at an integration point."""
         p, xi = self.places, self.zeta[j] * H / 2
         r, a, b, psi, psi_S = s
         one = (a * np.cos(psi) + b * np.sin(psi)) * psi_S - p.bend
@@ -89,14 +89,14 @@ class Wall:
         return a**2 + b**2 + 2 * xi * one, (r / p.R) ** 2 + 2 * xi * two
 
     def stresses(self, s: Array, j: int, grown: Array) -> tuple[Array, Array, Array, Array]:
-        """`λ1², λ2²` and the neo-Hookean Kirchhoff stresses."""
+        """Return `λ1², λ2²` and the neo-Hookean Kirchhoff stresses."""
         A, B = self.strains(s, j)
         e, f = np.log(A) / 2 - grown[j, 0], np.log(B) / 2 - grown[j, 1]
         across = np.exp(-2 * (e + f))
         return A, B, MU * (np.exp(2 * e) - across), MU * (np.exp(2 * f) - across)
 
     def forces(self, s: Array, grown: Array, pressure: float) -> Array:
-        """Derivatives of the potential by `r, r', z', ψ, ψ'`, shape ``(5, n)``."""
+        """Return the derivatives of the potential by `r, r', z', ψ, ψ'`, shape ``(5, n)``."""
         R = self.places.R
         r, a, b, psi, psi_S = s
         N1 = N2 = M1 = M2 = 0
@@ -115,7 +115,7 @@ class Wall:
         ])  # fmt: skip
 
     def settle(self, grown: Array, pressure: float) -> None:
-        """Equilibrium at given growth, by Newton's method."""
+        """Solve for equilibrium at given growth by Newton's method."""
         for _ in range(30):
             s = self.measures(self.u).astype(complex)
             force = self.forces(s.real, grown, pressure)
@@ -138,7 +138,7 @@ class Wall:
         raise RuntimeError("no equilibrium")
 
     def rate(self, grown: Array) -> Array:
-        """Rate of the growth strains in equilibrium, equation (13)."""
+        """Return the rates of the growth strains in equilibrium, equation (13)."""
         self.settle(grown, PRESSURE)
         s, rates = self.measures(self.u), np.empty_like(grown)
         for j in range(3):
@@ -149,7 +149,7 @@ class Wall:
         return rates
 
     def grow(self, end: float, steps: int) -> None:
-        """Classical Runge-Kutta steps."""
+        """Take classical Runge-Kutta steps."""
         dt = end / steps
         for _ in range(steps):
             k1 = self.rate(self.grown)
@@ -165,7 +165,7 @@ class Wall:
 
 
 def reference(places: Callable[[int], Places], n: int = 150, steps: int = 10) -> float:
-    """V/V0, extrapolated from n and 2 n elements."""
+    """Return V/V0, extrapolated from n and 2 n elements."""
     ratios = []
     for elements in (n, 2 * n):
         wall = Wall(places(elements))
@@ -207,7 +207,7 @@ def rows() -> list[Row]:
 
 def main() -> None:
     show(rows())
-    with picture("growing_shapes") as axes:
+    with figure_axes("growing_shapes") as axes:
         for shape, colour in (("capsule", "#0072b2"), ("spheroid", "#d55e00")):
             history = simulate(scene(shape)).history
             axes.plot(history.time_min, history.volume_ratio, color=colour, label=shape)

@@ -1,14 +1,14 @@
-"""A flat neo-Hookean membrane with its rim held, blown up by pressure, over its limit point.
+"""A flat neo-Hookean membrane with a fixed rim, inflated beyond its limit point.
 
 Membrane theory leads to ordinary differential equations (J. E. Adkins and R. S. Rivlin, Phil.
-Trans. R. Soc. A 244, 1952, 505-531); the numbers are of their integration to 1e-11. With the pole's
-stretch: p R/(μ h), height of the pole over the radius.
+Trans. R. Soc. A 244, 1952, 505-531), which were integrated to 1e-11. The table has p R/(μ h) and
+the height of the pole over the radius by the stretch at the pole.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from benchmark import Row, picture, show
+from benchmark import Row, figure_axes, show
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.simulation import Result
@@ -20,7 +20,7 @@ TABLE = {
     1.5: (1.643582, 0.798789),
     3.0: (1.807922, 1.488846),
 }
-LIMIT = 1.87917, 2.196  # p R/(μ h), and the stretch of the pole
+LIMIT = 1.87917, 2.196  # p R/(μ h) and the stretch at the pole
 
 SCENE = Scene.from_toml(f"""
 title = "Flat membrane"
@@ -32,14 +32,14 @@ numerics = {{ elements = 40, order = 4, grading = "uniform" }}
 """)
 
 
-def blown_up() -> Result:
-    """The membrane followed from its plane, where it has no stiffness, past the limit point."""
+def inflated() -> Result:
+    """Return the path from the plane, where the membrane has no stiffness, past the limit point."""
     return simulate(SCENE)
 
 
 def rows(result: Result | None = None) -> list[Row]:
-    """The table against the path: at the published heights, the loads."""
-    history = (result or blown_up()).history
+    """Compare the loads of the path at the published heights."""
+    history = (result or inflated()).history
     height, load = history.pole_height_um / R, history.pressure_MPa * R / (MU * H)
     found = []
     for stretch, (published, rise) in TABLE.items():
@@ -52,23 +52,23 @@ def rows(result: Result | None = None) -> list[Row]:
     top = volumes[np.argmax(quartic(volumes))]
     found.append(Row.near("p R/μh of the limit point", quartic(top), LIMIT[0], 1e-5))
     at_limit = simulate(SCENE.with_values({"path.until": {"volume_ratio": float(top)}}))
-    # At the last point, next to the pole.
+    # At the quadrature point next to the pole.
     stretch = np.exp(at_limit.profiles.all[-1].strain[-1, 0, 0])
     found.append(Row.near("stretch of the pole there", stretch, LIMIT[1], 1e-3))
     return found
 
 
 def _cubic(x: float, xs: np.ndarray, ys: np.ndarray) -> float:
-    """Value at x of the curve through points, between four of them by a cubic."""
+    """Interpolate at x by a cubic through the four nearest points."""
     i = int(np.clip(np.searchsorted(xs, x), 2, len(xs) - 2))
     near = slice(i - 2, i + 2)
     return float(np.polyval(np.polyfit(xs[near] - x, ys[near], 3), 0.0))
 
 
 def main() -> None:
-    result = blown_up()
+    result = inflated()
     show(rows(result))
-    with picture("membrane_disc") as axes:
+    with figure_axes("membrane_disc") as axes:
         load = result.history.pressure_MPa * R / (MU * H)
         axes.plot(result.history.pole_height_um / R, load, color="#0072b2", label="membrane")
         heights, loads = [rise for _, rise in TABLE.values()], [load for load, _ in TABLE.values()]

@@ -1,8 +1,8 @@
-"""An axisymmetric solid as a two-dimensional continuum: what a shell is a model of.
+"""An axisymmetric solid as a two-dimensional continuum, which the shell approximates.
 
 The mesh is a rectangle of arc length S and distance ξ from the mid-surface; the reference wall is
-`R + ξ sin Φ`, `Z - ξ cos Φ`, exactly, and the deformation gradient follows by the chain rule. All
-of it is written here: no kinematics, energy or solver is shared with the shell.
+`R + ξ sin Φ`, `Z - ξ cos Φ`, exactly, and the deformation gradient follows by the chain rule.
+Kinematics, energy and solver are independent of the shell's.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import ufl
 
-from fenics_yeast._dolfinx import MPI, PETSc, dolfinx, fem  # found wherever they come from
+from fenics_yeast._dolfinx import MPI, PETSc, dolfinx, fem  # Debian's or PyPI's
 from fenics_yeast._dolfinx import basix_ufl as elements
 
 logging.getLogger().setLevel(logging.WARNING)  # compilation is reported as INFO
@@ -26,7 +26,7 @@ Meridian = Callable[[Any], tuple[Any, Any, Any]]  # R, Z, Φ of S in UFL
 
 
 def function_space(mesh: Any, incompressible: bool) -> Any:
-    """Quadratic displacements and, where the volume is kept, linear pressures."""
+    """Return quadratic displacements and, if incompressible, linear pressures."""
     if elements is None:
         cell = mesh.ufl_cell()
         motion = ufl.VectorElement("Lagrange", cell, 2, dim=2)
@@ -48,16 +48,16 @@ class Solid:
     meridian
         `R, Z, Φ` of the mid-surface as UFL expressions of S.
     stops
-        Arc lengths of the cells' ends in µm, shape ``(n + 1,)``.
+        Arc lengths of the elements' ends in µm, shape ``(n + 1,)``.
     h
         Thickness in µm.
     energy
-        Of the deformation gradient, 3 by 3, and of S, in MPa; no energy of volume changes where
-        `incompressible`.
+        Energy in MPa of the deformation gradient, 3 by 3, and of S; without that of volume changes
+        if `incompressible`.
     incompressible
-        Whether the volume is kept, by a pressure as a multiplier.
+        Whether a multiplier, the pressure, keeps the volume constant.
     layers
-        Number of cells through the thickness.
+        Number of elements through the thickness.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Solid:
         )
         x = mesh.geometry.x
         x[:, 0], x[:, 1] = stops[np.rint(x[:, 0]).astype(int)], x[:, 1] * h / 2
-        mesh.topology.create_connectivity(0, 2)  # dolfinx 0.9 does not by itself
+        mesh.topology.create_connectivity(0, 2)  # not automatic in dolfinx 0.9
         self.mesh, self.h, self.length = mesh, h, float(stops[-1])
         self.space = function_space(mesh, incompressible)
         self.motion = self.space.sub(0) if incompressible else self.space
@@ -108,7 +108,7 @@ class Solid:
         self.form = fem.form(self.residual)
 
     def _line(self, xi: float) -> np.ndarray:
-        """Facets at a distance from the mid-surface."""
+        """Return the facets at a distance from the mid-surface."""
         near = 1e-6 * self.h
         found = dolfinx.mesh.locate_entities(self.mesh, 1, lambda x: np.abs(x[1] - xi) < near)
         return found.astype(np.int32)
@@ -116,9 +116,9 @@ class Solid:
     def hold(
         self, component: int, where: Callable[[np.ndarray], np.ndarray], value: Any = 0.0
     ) -> Any:
-        """Condition on a component of the motion at the vertices of some place."""
+        """Return a condition on a component of the displacement at some vertices."""
         vertices = dolfinx.mesh.locate_entities(self.mesh, 0, where)
-        if len(vertices) > 1:  # a whole face, its middle nodes too
+        if len(vertices) > 1:  # a face, with its mid-side nodes
             facets = dolfinx.mesh.locate_entities_boundary(self.mesh, 1, where)
             dofs = fem.locate_dofs_topological(self.motion.sub(component), 1, facets)
         else:
@@ -127,7 +127,7 @@ class Solid:
         return fem.dirichletbc(value, dofs, self.motion.sub(component))
 
     def solver(self, conditions: list[Any]) -> Callable[[], None]:
-        """Newton's method from the state of the last call."""
+        """Return Newton's method, which starts from the state of its last call."""
         tangent = fem.form(ufl.derivative(self.residual, self.w))
         w = PETSc.Vec().createWithArray(self.w.x.array, comm=MPI.COMM_SELF)
         change, direct = w.duplicate(), PETSc.KSP().create(MPI.COMM_SELF)
@@ -143,11 +143,11 @@ class Solid:
 
         def solve() -> None:
             b = residual()
-            wanted = max(_LEAST, _REDUCTION * b.norm())
+            target = max(_LEAST, _REDUCTION * b.norm())
             left = _MOST_ITERATIONS
-            while b.norm() > wanted:
+            while b.norm() > target:
                 if not left:
-                    raise RuntimeError(f"{_MOST_ITERATIONS} Newton iterations do not converge")
+                    raise RuntimeError(f"no convergence in {_MOST_ITERATIONS} Newton iterations")
                 left -= 1
                 matrix = fem.petsc.assemble_matrix(tangent, conditions)
                 matrix.assemble()
@@ -159,5 +159,5 @@ class Solid:
         return solve
 
     def middle_volume(self) -> float:
-        """Volume below the mid-surface, µm³; the number of layers is even."""
+        """Return the volume enclosed by the mid-surface in µm³; the number of layers is even."""
         return float(fem.assemble_scalar(self._below_middle))

@@ -2,15 +2,15 @@
 
 The reference is the same wall as an axisymmetric solid, meshed through its thickness:
 incompressible neo-Hookean, quadratic displacements, linear pressures, turgor on its inner face.
-Volumes are those below the mid-surface. What the shell makes of a thick wall is fitted by powers of
-h/R. (On which face turgor acts makes no difference: the wall keeps its own volume.)
+Volumes are those enclosed by the mid-surface. The shell's error for thick walls is fitted by powers
+of h/R. (The face on which turgor acts makes no difference, because the wall is incompressible.)
 """
 
 from __future__ import annotations
 
 import numpy as np
 import ufl
-from benchmark import Row, picture, show
+from benchmark import Row, figure_axes, show
 from solid import Solid
 
 from fenics_yeast import Scene, simulate
@@ -21,7 +21,7 @@ RATIOS = np.array([1 / 10, 1 / 20, 1 / 40, 1 / 80])
 
 
 def shell(h: float) -> float:
-    """V/V0 - 1 of the shell."""
+    """Return V/V0 - 1 of the shell."""
     scene = Scene.from_toml(f"""
     cell = {{ shape = "sphere", diameter = {2 * R} }}
     turgor = {{ pressure = {LOAD * MU * h / R} }}
@@ -35,11 +35,11 @@ def shell(h: float) -> float:
 
 
 def stops(h: float) -> np.ndarray:
-    """Ends of cells along the meridian, finer by the thickness at the edge of the soft cap."""
+    """Return the ends of elements along the meridian, graded towards the edge of the soft cap."""
     length, edge = np.pi * R, np.pi * R * (1 - ANGLE / 180)
 
     def part(width: float, n: int) -> np.ndarray:
-        """Distances from the edge, growing from a part of the thickness to the width."""
+        """Return distances from the edge; elements near it are a part of the thickness long."""
         x = np.linspace(0, 1, n + 1)
         a = np.arcsinh(width / h)
         return width * np.sinh(a * x) / np.sinh(a)
@@ -49,7 +49,7 @@ def stops(h: float) -> np.ndarray:
 
 
 def solid(h: float) -> float:
-    """V/V0 - 1 below the mid-surface of the solid."""
+    """Return V/V0 - 1 within the mid-surface of the solid."""
     edge = np.pi * R * (1 - ANGLE / 180)
 
     def sphere(S):
@@ -57,7 +57,7 @@ def solid(h: float) -> float:
 
     def energy(F, S):
         mu = ufl.conditional(ufl.gt(S, edge), SOFT * MU, MU)
-        return mu / 2 * (ufl.inner(F, F) - 3) - mu * ufl.ln(ufl.det(F))  # no pressure at rest
+        return mu / 2 * (ufl.inner(F, F) - 3) - mu * ufl.ln(ufl.det(F))  # no multiplier at rest
 
     wall = Solid(sphere, stops(h), h, energy, incompressible=True)
     poles = [
@@ -72,12 +72,12 @@ def solid(h: float) -> float:
 
 
 def errors() -> np.ndarray:
-    """Relative errors of V/V0 - 1 of the shell at each h/R."""
+    """Return the relative errors of V/V0 - 1 of the shell at each h/R."""
     return np.array([shell(ratio * R) / solid(ratio * R) - 1 for ratio in RATIOS])
 
 
 def fit(found: np.ndarray) -> np.ndarray:
-    """Coefficients of (h/R)⁰, (h/R)¹, (h/R)² in the error."""
+    """Return the coefficients of (h/R)⁰, (h/R)¹, (h/R)² in the error."""
     return np.polynomial.polynomial.polyfit(RATIOS, found, 2)
 
 
@@ -94,8 +94,8 @@ def main() -> None:
     show(rows(found))
     constant, first, second = fit(found)
     print(f"error of the shell: {constant:.1e} + {first:.3f} h/R + {second:.3f} (h/R)²")
-    with picture("solid_bud") as axes:
-        axes.loglog(RATIOS, found, "o", color="#0072b2", label="shell against solid")
+    with figure_axes("solid_bud") as axes:
+        axes.loglog(RATIOS, found, "o", color="#0072b2", label="shell, compared with solid")
         x = np.geomspace(RATIOS[-1], RATIOS[0], 100)
         label = f"{first:.2f} h/R + {second:.2f} (h/R)²"
         axes.loglog(x, constant + first * x + second * x**2, color="0.6", label=label)

@@ -1,14 +1,14 @@
-"""Clamped shallow spherical caps under uniform pressure from outside: axisymmetric snap-through.
+"""Clamped shallow spherical caps under external pressure: axisymmetric snap-through.
 
 p/p0 with p0 = 2 E (t/R)²/√(3 (1 - ν²)), ν = 0.3, R/t = 100 and the rise t λ²/(4 √(3 (1 - ν²))).
 B. Budiansky, Buckling of clamped shallow spherical shells, 1959; P. C. Dumir and Y. Nath; J. G.
-Teng and J. M. Rotter. The three differ by up to 3 %: ours must lie among them.
+Teng and J. M. Rotter. The three differ by up to 3 %; ours must lie between them.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from benchmark import Row, picture, show
+from benchmark import Row, figure_axes, show
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.simulation import History
@@ -25,7 +25,7 @@ TABLE = {
 
 
 def snap(shape: float) -> tuple[np.ndarray, np.ndarray]:
-    """Displaced volume over that below the cap, and p/p0, along the path of a cap of a given λ."""
+    """Return displaced volume over that below the cap, and p/p0, along the path for some λ."""
     rise = T * shape**2 / (4 * SHEAR)
     scene = Scene.from_toml(f"""
     cell = {{ shape = "cap", radius = {R}, half_angle = {np.degrees(np.arccos(1 - rise / R))} }}
@@ -39,7 +39,7 @@ def snap(shape: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def limit(volume: np.ndarray, pressure: np.ndarray) -> float:
-    """First largest pressure, of the parabola through its point and those beside it."""
+    """Return the first maximum of the pressure, by a parabola through three points."""
     i = next(i for i in range(1, len(pressure) - 1) if pressure[i] > pressure[i + 1])
     near = slice(i - 1, i + 2)
     c = np.polyfit(volume[near] - volume[i], pressure[near], 2)
@@ -57,7 +57,7 @@ def rows() -> list[Row]:
 
 def main() -> None:
     show(rows())
-    with picture("spherical_caps") as axes:
+    with figure_axes("spherical_caps") as axes:
         for shape, colour in zip(TABLE, ("#0072b2", "#d55e00", "#009e73", "#cc79a7"), strict=True):
             axes.plot(*snap(shape), color=colour, label=f"λ = {shape}")
         axes.set(xlabel="displaced volume / volume below the cap", ylabel="p / p₀")
