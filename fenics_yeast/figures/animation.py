@@ -13,15 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..scene import Scene
-from ..simulation import History, Profile, Profiles, Result
+from ..simulation import Profile, Result
 from .curves import smooth
-from .shapes import draw_wall
-from .style import COLOURS, STYLE, growth_colours
-from .wall_fields import area_strain
+from .shapes import WallView
+from .style import COLOURS, STYLE, place
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _FRAMES = 120
@@ -80,24 +78,21 @@ def animate(
     figures.mkdir(parents=True, exist_ok=True)
     made = [figures / "film.gif"]
     shown = result.profiles.all
-    _save(made[0], GifWriter(_RATE, _HOLD), shown, result, scene, progress)
+    thickness = scene.wall.thickness
+    _save(made[0], GifWriter(_RATE, _HOLD), shown, result, thickness, progress)
     if FFMpegWriter.isAvailable():
         made.append(figures / "film.mp4")
         options = ["-pix_fmt", "yuv420p", "-movflags", "+faststart"]
         writer = FFMpegWriter(_RATE, codec="libx264", extra_args=options)
         shown = (*shown, *[shown[-1]] * round(_HOLD * _RATE))
-        _save(made[1], writer, shown, result, scene, progress)
+        _save(made[1], writer, shown, result, thickness, progress)
     return made
 
 
 def _save(
-    path: Path,
-    writer: Any,
-    shown: Sequence[Profile],
-    result: Result,
-    scene: Scene,
+    path: Path, writer: Any, shown: Sequence[Profile], result: Result, thickness: float,
     progress: bool,
-) -> None:
+) -> None:  # fmt: skip
     """Write the animation of profiles by one of matplotlib's writers."""
     from matplotlib import rc_context
     from matplotlib.animation import FuncAnimation
@@ -111,7 +106,7 @@ def _save(
         task = bar.add_task(f"drawing {path.name}", total=len(shown))
         figure = Figure(figsize=(_WIDTH, height), dpi=_DPI)
         FigureCanvasAgg(figure)
-        draw = _Frame(figure, result.profiles, result.history, scene)
+        draw = _Frame(figure, result, thickness)
         moving = FuncAnimation(figure, draw, shown, init_func=list, cache_frame_data=False)
         try:
             moving.save(temporary, writer, dpi=_DPI, progress_callback=lambda *_: bar.advance(task))
@@ -124,36 +119,19 @@ def _save(
 class _Frame:
     """Draws one frame after the other into a figure."""
 
-    def __init__(
-        self,
-        figure: Figure,
-        profiles: Profiles,
-        history: History,
-        scene: Scene,
-    ) -> None:
-        self._history, self._profiles = history, profiles
-        self._thickness = scene.wall.thickness
-        width, height = figure.get_size_inches()
-        right = 1.08 * max(float(p.r.max()) for p in profiles) + scene.wall.thickness
-        low, high = min(float(p.z.min()) for p in profiles), max(float(p.z.max()) for p in profiles)
-        margin, left = 0.05 * (high - low), -right
-        low, high = low - margin, high + margin
-        self._box = left, right, low, high
-        self._scale = min(_INCHES / (high - low), 2.6 / (right - left))  # inches per µm
-        across, up = self._scale * (right - left), self._scale * (high - low)
-        self._cell = figure.add_axes((0.55 / width, 0.5 / height, across / width, up / height))
-        largest = max(float(area_strain(p).max(initial=0.0)) for p in profiles)
-        self._colouring = growth_colours(largest)
+    def __init__(self, figure: Figure, result: Result, thickness: float) -> None:
+        profiles, self._history = result.profiles, result.history
+        self._view = view = WallView(profiles, profiles.all, thickness)
+        self._scale = min(_INCHES / view.height, 2.6 / view.width)  # inches per µm
+        across, up = self._scale * view.width, self._scale * view.height
+        self._cell: Any = place(figure, 0.55, 0.5, across, up)
         start = 0.55 + across + 0.15
-        if largest > 0:
-            bar = figure.add_axes((start / width, 0.5 / height, 0.1 / width, up / height))
-            figure.colorbar(self._colouring, cax=bar, label="growth strain ε₁ + ε₂")
+        if view.grows:
+            bar = place(figure, start, 0.5, 0.1, up)
+            figure.colorbar(view.colours, cax=bar, label="growth strain ε₁ + ε₂")
             start += 0.75
         start += 0.65
-        beside = (start / width, 0.5 / height, (width - start - 0.1) / width, _INCHES / height)
-        self._volume(figure.add_axes(beside), profiles)
-
-    def _volume(self, axes: Axes, profiles: Profiles) -> None:
+        axes = place(figure, start, 0.5, _WIDTH - start - 0.1, _INCHES)
         self._time, self._ratio = smooth(self._history)
         axes.plot(self._time, self._ratio, color="0.85")
         (self._gone,) = axes.plot([], [], color=COLOURS[0])
@@ -161,21 +139,13 @@ class _Frame:
         axes.set_xlim(0, profiles.all[-1].time)
         axes.set_xlabel("time (min)")
         axes.set_ylabel("volume V/V₀")
-        axes.grid(color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
+        axes.grid(True)
 
     def __call__(self, profile: Profile) -> list[Artist]:
-        axes: Any = self._cell
-        axes.clear()
-        axes.set_xlim(*self._box[:2])
-        axes.set_ylim(*self._box[2:])
-        axes.set_xlabel("r (µm)")
-        axes.set_ylabel("z (µm)")
         ratio = self._history.at(profile.time).volume_ratio
-        axes.set_title(f"{profile.time:5.1f} min   V/V₀ = {ratio:.3f}")
-        draw_wall(
-            axes, profile, self._profiles.zones, self._thickness, self._scale, self._colouring
-        )
+        self._cell.clear()
+        self._view.draw(self._cell, profile, self._scale)
+        self._cell.set_title(f"{profile.time:5.1f} min   V/V₀ = {ratio:.3f}")
         gone = self._time <= profile.time
         self._gone.set_data(self._time[gone], self._ratio[gone])
         self._now.set_data([profile.time], [ratio])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..geometry import Array
 from ..scene import Scene
 from ..simulation import ErrorBars, History, Status
-from .style import COLOURS, FINER, figure_of
+from .style import COLOURS, FINER, curve_axes, spread
 from .wall_fields import hermite
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str =
 
 def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str = "") -> None:
     """Draw the pressure along several equilibrium paths against V/V0; see `volumes`."""
-    with _path_axes(path) as axes:
+    with curve_axes(path, "volume V/V₀", "pressure (MPa)") as axes:
         for curve, colour in zip(curves, _colours(len(curves)), strict=True):
             V, p = curve.history.volume_ratio, curve.history.pressure_MPa
             _draw_path(axes, V, p, curve.history.stable, colour, curve.label)
@@ -93,12 +93,12 @@ def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str
 def equilibrium_path(history: History, scene: Scene, path: Path) -> None:
     """Draw the load along an equilibrium path against its conjugate, dashed where unstable."""
     force = scene.path is not None and scene.path.until.of_load
-    labels = ("displacement (µm)", "force (µN)") if force else ()
-    x, y = history.volume_ratio, history.pressure_MPa
+    x, y, labels = history.volume_ratio, history.pressure_MPa, ("volume V/V₀", "pressure (MPa)")
     if force:
         x, y = history.displacement_um, history.force_uN
+        labels = "displacement (µm)", "force (µN)"
     unstable = f"unstable at given {'force' if force else 'pressure'}"
-    with _path_axes(path, *labels) as axes:
+    with curve_axes(path, *labels) as axes:
         _draw_path(axes, x, y, history.stable, COLOURS[0], "stable", unstable)
         if not history.stable.all():
             axes.legend(loc="best" if force else "lower right")
@@ -108,37 +108,15 @@ def equilibrium_path(history: History, scene: Scene, path: Path) -> None:
 @contextmanager
 def _volume_axes(path: Path) -> Iterator[Axes]:
     """Yield the axes of a figure of V/V0 against time."""
-    with figure_of(path, 4.8, 3.4) as figure:
-        axes = figure.add_axes((0.13, 0.14, 0.84, 0.77))
+    with curve_axes(path, "time (min)", "volume V/V₀", 0.13) as axes:
         yield axes
-        axes.set_xlabel("time (min)")
-        axes.set_ylabel("volume V/V₀")
         axes.set_xlim(left=0)
-        axes.grid(color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
-
-
-@contextmanager
-def _path_axes(path: Path, of: str = "volume V/V₀", load: str = "pressure (MPa)") -> Iterator[Axes]:
-    """Yield the axes of a figure of a load against its conjugate."""
-    with figure_of(path, 4.8, 3.4) as figure:
-        axes = figure.add_axes((0.15, 0.14, 0.82, 0.77))
-        yield axes
-        axes.set_xlabel(of)
-        axes.set_ylabel(load)
-        axes.grid(color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
 
 
 def _draw_path(
-    axes: Axes,
-    x: Array,
-    y: Array,
-    stable: NDArray[np.bool_],
-    colour: Any,
-    label: str,
+    axes: Axes, x: Array, y: Array, stable: NDArray[np.bool_], colour: Any, label: str,
     unstable: str = "_nolegend_",
-) -> None:
+) -> None:  # fmt: skip
     """Draw a path in pieces, dashed where unstable."""
     stable = stable.astype(bool)
     ends = stable[1:] & stable[:-1]  # of each piece
@@ -161,9 +139,7 @@ def _colours(count: int) -> list[Any]:
 
 def _explain(axes: Axes, curves: Sequence[Curve], heading: str, place: str) -> None:
     """Set a legend; for many curves it names some of them, evenly spread."""
-    handles, labels = axes.get_legend_handles_labels()
-    named = np.linspace(0, len(handles) - 1, min(len(handles), len(COLOURS))).round().astype(int)
-    handles, labels = [handles[i] for i in named], [labels[i] for i in named]
+    handles, labels = (spread(each, len(COLOURS)) for each in axes.get_legend_handles_labels())
     if len(curves) > len(COLOURS) and any(curve.status in LOST for curve in curves):
         handles += axes.plot([], [], "x", color="0.4", ms=5, mew=1.8)
         labels.append(" or ".join(LOST[s] for s in LOST if s in {c.status for c in curves}))
@@ -219,6 +195,6 @@ def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> No
         when = "beyond" if curve.status == "unbounded" else "at"
         if note:
             axes.annotate(
-                f"{LOST[curve.status]}\n{when} {time:.1f} min", (time, ratio), (-8, -2),
+                f"{LOST[curve.status]}\n{when} {time:.4g} min", (time, ratio), (-8, -2),
                 textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
             )  # fmt: skip

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..geometry import Array, merged
 from ..scene import Scene
-from ..simulation import Profile, Profiles
-from .style import figure_of
+from ..simulation import Profiles
+from .style import figure_of, spread
 from .wall_fields import mean, zone_numbers
 
 if TYPE_CHECKING:
@@ -31,26 +31,24 @@ def meridian(profiles: Profiles, scene: Scene, path: Path) -> None:
     from matplotlib import colormaps
     from matplotlib.lines import Line2D
 
-    count = min(len(profiles), _MOST_CURVES)
-    chosen = np.linspace(0, len(profiles) - 1, count).round().astype(int)
-    drawn = [profiles.all[i] for i in chosen]
-    shades = np.linspace(0.85, 0.0, count) if count > 1 else [0.3]
+    drawn = spread(profiles.all, _MOST_CURVES)
+    stresses = [mean(profile, profile.stress) for profile in drawn]
+    shades = np.linspace(0.85, 0.0, len(drawn)) if len(drawn) > 1 else [0.3]
     colours = list(colormaps["viridis"](shades))
     grows = scene.growth is not None
     height = 4.6 if grows else 2.7
     with figure_of(path, 5.8, height) as figure:
         panels = figure.subplots(2 if grows else 1, 1, sharex=True, squeeze=False)[:, 0]
         figure.subplots_adjust(0.11, 0.5 / height, 0.78, 1 - 0.3 / height, hspace=0.12)
-        _draw(panels[0], profiles, drawn, [mean(p, p.stress) for p in drawn], colours)
+        _draw(panels[0], profiles, stresses, colours)
         panels[0].set_ylabel("Cauchy stress (MPa)")
         panels[0].set_title(scene.title)
         if grows:
-            _draw(panels[1], profiles, drawn, [mean(p, p.growth_strain) for p in drawn], colours)
+            _draw(panels[1], profiles, [mean(p, p.growth_strain) for p in drawn], colours)
             panels[1].set_ylabel("growth strain")
-            _scale(panels[0], [mean(p, p.stress) for p in drawn], scene)
+            _scale(panels[0], stresses, scene)
         for axes in panels:
-            axes.grid(color="0.9", linewidth=0.6)
-            axes.set_axisbelow(True)
+            axes.grid(True)
             _mark_zones(axes, profiles)
         panels[-1].set_xlabel("arc length of the unloaded meridian from the bottom (µm)")
         lines = [Line2D([], [], color=colour) for colour in colours]
@@ -65,15 +63,9 @@ def meridian(profiles: Profiles, scene: Scene, path: Path) -> None:
         panels[0].legend(lines, labels, loc="upper left", bbox_to_anchor=(1.01, 1.0))
 
 
-def _draw(
-    axes: Axes,
-    profiles: Profiles,
-    drawn: Sequence[Profile],
-    values: Sequence[Array],
-    colours: Sequence[Any],
-) -> None:
+def _draw(axes: Axes, profiles: Profiles, values: Sequence[Array], colours: Sequence[Any]) -> None:
     """Draw meridional and hoop components against arc length, broken at the edges of zones."""
-    S = drawn[0].S_points
+    S = profiles.all[0].S_points
     cuts = np.flatnonzero(np.diff(zone_numbers(profiles.zones, S))) + 1
     for components, colour in zip(values, colours, strict=True):
         for i, style in enumerate(("-", "--")):

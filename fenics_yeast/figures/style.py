@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
 
 from ..output import replace_file
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+T = TypeVar("T")
 
 # Okabe and Ito's colours, without yellow, which is faint on white.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
@@ -21,6 +26,9 @@ STYLE = {
     "axes.linewidth": 0.7,
     "axes.spines.top": False,
     "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
     "lines.linewidth": 1.5,
     "legend.frameon": False,
     "savefig.dpi": 200,
@@ -44,6 +52,29 @@ def figure_of(path: Path, width: float, height: float) -> Iterator[Figure]:
         content = BytesIO()
         figure.savefig(content, format=path.suffix[1:])
         replace_file(path, content.getvalue())
+
+
+@contextmanager
+def curve_axes(path: Path, xlabel: str, ylabel: str, left: float = 0.15) -> Iterator[Axes]:
+    """Yield the axes, with a grid, of a figure of curves and save it."""
+    with figure_of(path, 4.8, 3.4) as figure:
+        axes = figure.add_axes((left, 0.14, 0.97 - left, 0.77))
+        axes.set_xlabel(xlabel)
+        axes.set_ylabel(ylabel)
+        axes.grid(True)
+        yield axes
+
+
+def place(figure: Figure, x: float, y: float, width: float, height: float) -> Axes:
+    """Add axes at a place and of a size in inches."""
+    across, up = figure.get_size_inches()
+    return figure.add_axes((x / across, y / up, width / across, height / up))
+
+
+def spread(items: Sequence[T], most: int) -> list[T]:
+    """Return all items or, if there are more than some number, that many, evenly spread."""
+    places = np.linspace(0, len(items) - 1, min(len(items), most)).round().astype(int)
+    return [items[i] for i in places]
 
 
 def growth_colours(largest: float) -> Any:

@@ -14,16 +14,9 @@ if TYPE_CHECKING:
     from .figure import draw_sweep
 
 __all__ = [
-    "TABLE",
-    "Case",
-    "CaseRow",
-    "draw_sweep",
-    "estimate_error_bars",
-    "parse_variation",
-    "plan",
-    "run_sweep",
-    "value_label",
-]
+    "TABLE", "Case", "CaseRow", "draw_sweep", "estimate_error_bars", "parse_variation", "plan",
+    "run_sweep", "value_label",
+]  # fmt: skip
 
 # Names whose modules load dolfinx or figures.
 _LATE = {"draw_sweep": "figure", "estimate_error_bars": "error_bars"}

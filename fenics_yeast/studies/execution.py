@@ -87,22 +87,27 @@ def run_sweep(
         _claim(directory)
     else:
         on_root(comm, lambda: _claim(directory), OutputError)
-    if comm is not None and comm.rank > 0:
-        _serve(comm)
-        return []
+        if comm.rank > 0:
+            _serve(comm)
+            return []
     rows = {case.name: row for case in cases if (row := finished_row(directory, case))}
     left = [case for case in cases if case.name not in rows]
     if screen is not None:
         screen.begun(len(cases), list(rows.values()))
     ended = _on_ranks(directory, left, comm) if comm else _in_processes(directory, left, jobs)
+
+    def write() -> list[CaseRow]:
+        known = [rows[case.name] for case in cases if case.name in rows]
+        write_table(directory, keys, known)
+        return known
+
     with closing(ended):  # type: ignore[type-var]
         for case, message in ended:
             rows[case.name] = row = _row(directory, case, message)
-            write_table(directory, keys, _in_order(cases, rows))
+            write()
             if screen is not None:
                 screen.ended(row)
-    write_table(directory, keys, _in_order(cases, rows))
-    return _in_order(cases, rows)
+    return write()
 
 
 def _claim(directory: Path) -> None:
@@ -111,10 +116,6 @@ def _claim(directory: Path) -> None:
         directory.mkdir(parents=True, exist_ok=True)
     if (directory / TABLE).exists():
         read_table(directory)
-
-
-def _in_order(cases: Sequence[Case], rows: dict[str, CaseRow]) -> list[CaseRow]:
-    return [rows[case.name] for case in cases if case.name in rows]
 
 
 def _row(directory: Path, case: Case, message: str) -> CaseRow:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..figures import COLOURS, LOST, Curve, figure_of, pressures, volumes
+from ..figures import COLOURS, LOST, Curve, curve_axes, figure_of, place, pressures, volumes
 from ..output import read_history, read_scene
 from ..scene import unit_symbol
 from .cases import value_label
@@ -59,12 +59,9 @@ def _label(key: str, unit: str) -> str:
 
 def _draw_line(path: Path, label: str, rows: Sequence[CaseRow], title: str) -> None:
     """Draw V/V0 of single equilibria against their parameter."""
-    with figure_of(path, 4.8, 3.4) as figure:
-        axes = figure.add_axes((0.15, 0.14, 0.82, 0.77))
+    with curve_axes(path, label, "volume V/V₀") as axes:
         places: list[float | str] = [row.values[0] for row in rows]
         axes.plot(places, [row.end_ratio or np.nan for row in rows], "o-", color=COLOURS[0])
-        axes.set_xlabel(label)
-        axes.set_ylabel("volume V/V₀")
         axes.set_title(title)
 
 
@@ -75,17 +72,11 @@ def _draw_map(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title:
     ratios = np.full((len(up), len(across)), np.nan)
     for row in rows:
         at = row.end_ratio if time is None else dict(row.ratios).get(time)
-        place = up.index(row.values[1]), across.index(row.values[0])
-        ratios[place] = np.nan if at is None else at
-    cell = min(0.62, max(0.28, 6.0 / max(len(across), len(up))))
-    width, height = max(2.2, cell * len(across)), max(1.6, cell * len(up))
+        ratios[_field(row, across, up)] = np.nan if at is None else at
+    size = min(0.62, max(0.28, 6.0 / max(len(across), len(up))))
+    width, height = max(2.2, size * len(across)), max(1.6, size * len(up))
     with figure_of(path, width + 1.75, height + 0.95) as figure:
-
-        def place_axes(x: float, y: float, w: float, h: float) -> Axes:
-            total = figure.get_size_inches()
-            return figure.add_axes((x / total[0], y / total[1], w / total[0], h / total[1]))
-
-        axes = place_axes(0.75, 0.55, width, height)
+        axes = place(figure, 0.75, 0.55, width, height)
         picture = axes.imshow(ratios, origin="lower", aspect="auto", cmap="viridis")
         picture.cmap.set_bad("0.88")
         axes.set_xticks(*_ticks(across), rotation=45 if len(across) > 6 else 0)
@@ -98,9 +89,8 @@ def _draw_map(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title:
         _write_numbers(axes, rows, across, up, ratios)
         if not np.isnan(ratios).all():
             when = "" if time is None else f" at {time:g} min"
-            bar = figure.colorbar(
-                picture, cax=place_axes(0.9 + width, 0.55, 0.12, height), label=f"V/V₀{when}"
-            )
+            beside = place(figure, 0.9 + width, 0.55, 0.12, height)
+            bar = figure.colorbar(picture, cax=beside, label=f"V/V₀{when}")
             bar.outline.set_visible(False)  # type: ignore[operator]
 
 
@@ -111,22 +101,26 @@ def _ticks(values: Sequence[float | str]) -> tuple[list[int], list[str]]:
     return places, [value_label(values[i]) for i in places]
 
 
+def _field(
+    row: CaseRow, across: Sequence[float | str], up: Sequence[float | str]
+) -> tuple[int, int]:
+    """Return the place of a case in the map."""
+    return up.index(row.values[1]), across.index(row.values[0])
+
+
 def _write_numbers(
-    axes: Axes,
-    rows: Sequence[CaseRow],
-    across: Sequence[float | str],
-    up: Sequence[float | str],
-    ratios: np.ndarray,
-) -> None:
+    axes: Axes, rows: Sequence[CaseRow], across: Sequence[float | str],
+    up: Sequence[float | str], ratios: np.ndarray,
+) -> None:  # fmt: skip
     """Write volumes into the map, or when equilibrium was lost."""
     crowded = max(len(across), len(up)) > _MOST_LABELS
     middle = np.nanmean([np.nanmin(ratios), np.nanmax(ratios)]) if (~np.isnan(ratios)).any() else 0
     for row in rows:
-        x, y = across.index(row.values[0]), up.index(row.values[1])
+        y, x = _field(row, across, up)
         at, colour = ratios[y, x], "black"
         if np.isnan(at):
             lost = row.status in LOST and row.end_time is not None
-            text = "×" if crowded or not lost else f"lost at\n{row.end_time:.1f} min"
+            text = "×" if crowded or not lost else f"lost at\n{row.end_time:.4g} min"
         else:
             text = "" if crowded else f"{at:.3f}"
             colour = "white" if at < middle else "black"
