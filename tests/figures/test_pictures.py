@@ -1,4 +1,4 @@
-"""Figures show what was computed; file formats and animations."""
+"""Figures show the results; file formats and animations."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -10,14 +10,14 @@ from PIL import Image
 from support.command import call
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.figures import AnimationError, animation, draw
+from fenics_yeast.figures import AnimationError, Curve, animation, draw, volumes
 from fenics_yeast.figures.wall_fields import area_strain, mean, outline, zone_numbers
 from fenics_yeast.output import FIGURES, Job
 
 
 @pytest.fixture(scope="module")
 def growing(cell_scene: Scene) -> Scene:
-    """A bud that is over soon, with the forms of the paper's preset."""
+    """A short run of a bud, with the forms of the paper's preset."""
     numerics = {"preset": "paper", "elements": 60, "step": 2.0}
     return cell_scene.with_values({"numerics": numerics, "run.end": 20.0, "run.save": [0, 10, 20]})
 
@@ -30,7 +30,7 @@ def folder(growing: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_plot_gives_every_figure_as_png_and_pdf(folder: Path) -> None:
+def test_plot_writes_every_figure_as_png_and_pdf(folder: Path) -> None:
     result = call("plot", str(folder), "--pdf")
     assert result.exit_code == 0
     for name in ("shapes", "volume", "meridian"):
@@ -51,7 +51,7 @@ def test_the_outline_lies_on_the_circle_of_an_unloaded_sphere(fine_scene: Scene)
 def test_fields_are_means_through_the_wall(growing: Scene) -> None:
     profiles = simulate(growing).profiles
     profile = profiles.at(20)
-    # A field linear through the wall has its middle as mean, a square one h²/12.
+    # The mean of ξ is 0, that of ξ² is h²/12.
     h = growing.wall.thickness
     assert mean(profile, 3 + profile.xi[None, :]) == pytest.approx(3)
     assert mean(profile, profile.xi[None, :] ** 2) == pytest.approx(h**2 / 12)
@@ -75,7 +75,7 @@ def test_an_animation_shows_the_cell_at_every_frame(
             pictures.append(np.asarray(moving.convert("RGB")).astype(int))
     assert (pictures[0][0, 0] == 255).all()
     height, width, _ = pictures[0].shape
-    # The cell is where the model has it, in the left half; the dot runs in the right one.
+    # The cell grows in the left half, the dot moves in the right one.
     for earlier, later in pairwise(pictures):
         changed = np.abs(later - earlier).max(axis=2) > 30
         assert changed[:, : width // 3].any() and changed[:, width // 2 :].any()
@@ -98,7 +98,7 @@ def test_only_a_run_in_time_is_animated(tmp_path: Path, elastic_scene: Scene) ->
 def test_mp4_is_written_where_ffmpeg_is_and_its_failure_is_reported(
     folder: Path, growing: Scene, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """A stand-in for ffmpeg shows what it gets: every frame, and the last one for a while."""
+    """A script in place of ffmpeg keeps its input: all frames, the last one 31 times."""
     ffmpeg = tmp_path / "ffmpeg"
     ffmpeg.write_text(
         f"#!/bin/sh\nfor last; do :; done\ncat > {tmp_path}/raw\ncp {tmp_path}/raw $last"
@@ -113,16 +113,26 @@ def test_mp4_is_written_where_ffmpeg_is_and_its_failure_is_reported(
     content = (tmp_path / "raw").read_bytes()
     assert len(content) == (3 + 30) * frame and width % 2 == height % 2 == 0
     assert content[-frame:] == content[2 * frame : 3 * frame] != content[:frame]
-    ffmpeg.write_text("#!/bin/sh\ncat > /dev/null; echo no such encoder >&2; exit 1")
-    with pytest.raises(AnimationError, match="FFMpegWriter failed"):
-        animation.animate(folder, growing, end=20.0, frames=3)
+    for read in ("cat > /dev/null;", ""):  # before or after all frames
+        ffmpeg.write_text(f"#!/bin/sh\n{read} echo no such encoder >&2; exit 1")
+        with pytest.raises(AnimationError, match="FFMpegWriter failed"):
+            animation.animate(folder, growing, end=20.0, frames=3)
+        assert not (folder / "figures" / "part-film.mp4").exists()
 
 
 @pytest.mark.parametrize("changes", [{"turgor.pressure": -0.01}, {"growth": None}])
-def test_figures_of_other_runs_are_drawn_too(
+def test_runs_without_growth_or_under_external_pressure_have_figures(
     tmp_path: Path, growing: Scene, changes: dict[str, object]
 ) -> None:
     scene = growing.with_values({"run.end": 2.0, "run.save": [2.0], **changes})
     result = simulate(scene)
     for path in draw(tmp_path, scene, result.history, result.profiles, names=FIGURES):
         assert path.stat().st_size > 5000
+
+
+def test_a_loss_of_equilibrium_is_marked_with_its_time(tmp_path: Path, growing: Scene) -> None:
+    history = simulate(growing.with_values({"run.end": 0.9916, "run.save": [0.9916]})).history
+    with matplotlib.rc_context({"svg.fonttype": "none"}):
+        volumes([Curve("a cell", history, "no-equilibrium")], tmp_path / "lost.svg")
+    text = (tmp_path / "lost.svg").read_text()
+    assert "equilibrium lost" in text and "at 0.9916 min" in text

@@ -1,4 +1,4 @@
-"""The surface for ParaView, read by VTK itself: closed, outward, its volume and fields."""
+"""Surfaces for ParaView, read by VTK: closed, oriented outward, with volume and fields."""
 
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -32,7 +32,7 @@ def wall(grid: vtkUnstructuredGrid) -> vtkPolyData:
 
 
 def edges(grid: vtkUnstructuredGrid, kind: str) -> int:
-    """Number of edges of triangles that are of a kind."""
+    """Return the number of edges of triangles that are of a kind."""
     finder = vtkFeatureEdges()
     finder.SetInputData(wall(grid))
     for name in ("Boundary", "NonManifold", "Feature", "Manifold"):
@@ -42,14 +42,14 @@ def edges(grid: vtkUnstructuredGrid, kind: str) -> int:
 
 
 def enclosed(grid: vtkUnstructuredGrid) -> float:
-    """Volume by VTK, which works with triangles whatever their orientation."""
+    """Return the volume by VTK, which ignores the orientation of triangles."""
     properties = vtkMassProperties()
     properties.SetInputData(wall(grid))
     return properties.GetVolume()
 
 
 def signed_volume(grid: vtkUnstructuredGrid) -> float:
-    """Volume by the divergence theorem: negative where normals point inward."""
+    """Return the volume by the divergence theorem; inward normals make it negative."""
     points = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
     corners = points[vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 3)]
     return float(np.linalg.det(corners).sum() / 6)
@@ -61,7 +61,7 @@ def budding(cell_scene: Scene) -> tuple[Scene, Result]:
     return scene, simulate(scene)
 
 
-def test_the_wall_is_closed_and_holds_the_volume(
+def test_the_surface_is_closed_and_encloses_the_volume(
     tmp_path: Path, budding: tuple[Scene, Result]
 ) -> None:
     scene, result = budding
@@ -80,7 +80,9 @@ def test_the_wall_is_closed_and_holds_the_volume(
         assert euler == 2  # a sphere
 
 
-def test_neighbours_turn_the_same_way(tmp_path: Path, budding: tuple[Scene, Result]) -> None:
+def test_neighbouring_triangles_have_the_same_orientation(
+    tmp_path: Path, budding: tuple[Scene, Result]
+) -> None:
     scene, result = budding
     write_surfaces(tmp_path, scene, result.profiles)
     grid = read(tmp_path / "surface" / "0002.vtu")
@@ -95,7 +97,9 @@ def test_neighbours_turn_the_same_way(tmp_path: Path, budding: tuple[Scene, Resu
     np.testing.assert_array_equal(after, before)
 
 
-def test_fields_are_those_of_the_wall(tmp_path: Path, budding: tuple[Scene, Result]) -> None:
+def test_fields_on_the_surface_are_means_through_the_wall(
+    tmp_path: Path, budding: tuple[Scene, Result]
+) -> None:
     scene, result = budding
     write_surfaces(tmp_path, scene, result.profiles)
     # p r / 2h away from the zone, and σ_trs = 1 MPa.
@@ -117,7 +121,7 @@ def test_fields_are_those_of_the_wall(tmp_path: Path, budding: tuple[Scene, Resu
         assert values[f"Cauchy stress, {name} (MPa)"][mother] == pytest.approx(expected, rel=0.01)
     assert values["stress over threshold"][mother] == pytest.approx(expected * 2**0.5, rel=0.01)
     assert np.abs(values["growth strain"][mother]).max() == 0
-    # The mean through the wall, below the largest value of any point in it.
+    # The mean through the wall is less than the largest value within it.
     largest = values["growth strain"].max()
     assert 0.5 * result.history.at(40).max_growth_strain < largest
     zone = vtk_to_numpy(grid.GetCellData().GetArray("zone"))
@@ -127,7 +131,9 @@ def test_fields_are_those_of_the_wall(tmp_path: Path, budding: tuple[Scene, Resu
     assert edge == pytest.approx(height[corners[zone == 1]].min(), abs=1e-6)
 
 
-def test_an_elastic_wall_has_no_threshold(tmp_path: Path, elastic_scene: Scene) -> None:
+def test_an_elastic_wall_has_no_field_of_the_threshold(
+    tmp_path: Path, elastic_scene: Scene
+) -> None:
     result = simulate(elastic_scene)
     write_surfaces(tmp_path, elastic_scene, result.profiles)
     grid = read(tmp_path / "surface" / "0000.vtu")
@@ -139,7 +145,7 @@ def test_an_elastic_wall_has_no_threshold(tmp_path: Path, elastic_scene: Scene) 
     assert set(vtk_to_numpy(grid.GetCellData().GetArray("zone"))) == {0}
 
 
-def test_an_open_wall_has_an_edge(tmp_path: Path, elastic_scene: Scene) -> None:
+def test_an_open_wall_has_one_boundary(tmp_path: Path, elastic_scene: Scene) -> None:
     cap = elastic_scene.with_values(
         {"cell": {"shape": "cap", "radius": 5.0, "half_angle": 60.0, "edge": "clamped"}}
     )
@@ -149,6 +155,6 @@ def test_an_open_wall_has_an_edge(tmp_path: Path, elastic_scene: Scene) -> None:
     assert edges(grid, "Boundary") == 64 and edges(grid, "NonManifold") == 0
 
 
-def test_nothing_saved_is_an_empty_series(tmp_path: Path, elastic_scene: Scene) -> None:
+def test_without_saved_times_the_series_is_empty(tmp_path: Path, elastic_scene: Scene) -> None:
     series = write_surfaces(tmp_path, elastic_scene, Profiles(()))
     assert not list(ElementTree.parse(series).getroot().iter("DataSet"))

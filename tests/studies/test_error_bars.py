@@ -1,4 +1,4 @@
-"""Error bars against errors: those of runs that are finer in everything, see `data`."""
+"""Error bars compared with errors, by runs that are finer in everything; see `data`."""
 
 import json
 from functools import cache
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 
 PARTS = ("time_steps", "mesh", "thickness_points", "shear_penalty")
 
-# Case of the table, and what is changed in the cell of the tables; all with 3 thickness points.
+# Case of the table, and changes to the cell of the tables; all with 3 integration points.
 SCENES = {
     "default preset": ("base", {}),
     "low threshold": ("low threshold", {"growth.threshold": 0.9}),
@@ -40,7 +40,7 @@ SCENES = {
 
 @pytest.fixture(scope="module")
 def estimated(cell_scene, read_table):
-    """Run a scene: its error bars and its errors at the times of the table. Each runs once."""
+    """Return error bars and errors of a scene at the times of the table; each runs once."""
     table = read_table("fine_volumes.csv")
 
     @cache
@@ -58,7 +58,7 @@ def estimated(cell_scene, read_table):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_error_bars_hold(estimated, name):
+def test_errors_are_within_the_error_bars(estimated, name):
     """The error is at most twice the bar, and the bar no more than twenty times the error."""
     found = estimated(name)
     assert found.bars.message == ""
@@ -75,8 +75,8 @@ def test_error_bars_hold(estimated, name):
         ("soft shear", "shear_penalty"),
     ],
 )
-def test_the_part_that_is_coarse_is_named(estimated, name, part):
-    """By its size in the scene against that with the default."""
+def test_a_coarse_part_has_the_larger_error_bar(estimated, name, part):
+    """Compared with that of the default preset."""
     bars, default = estimated(name).bars, estimated("default preset").bars
     if name == "default preset":
         assert getattr(bars, part)[-1] > 0.9 * bars.total[-1]
@@ -86,8 +86,10 @@ def test_the_part_that_is_coarse_is_named(estimated, name, part):
         assert getattr(bars, other)[-1] < 3 * getattr(default, other)[-1] + 1e-4
 
 
-def test_bars_of_the_default_preset_hold_against_other_programs(cell_scene, read_table):
-    """Five thickness points against nine, computed by two programs that share nothing with us."""
+def test_errors_of_the_default_preset_against_other_programs_are_within_its_bars(
+    cell_scene, read_table
+):
+    """Five integration points compared with nine in two independent programs."""
     rows = [row for row in read_table("volumes.csv") if row["case"] == "base"]
     exact = {
         float(row["time_min"]): float(row["volume_ratio"])
@@ -103,17 +105,17 @@ def test_bars_of_the_default_preset_hold_against_other_programs(cell_scene, read
     assert np.all(bars.total <= 20 * np.array(errors))
 
 
-def test_refining_changes_one_thing(cell_scene):
-    """Cells that follow the tolerance stay as they are when the time tolerance is refined."""
+def test_each_refinement_changes_one_setting(cell_scene):
+    """The number of elements, which follows the tolerance, stays when that is refined."""
     for refinement in refinements(cell_scene):
         before = cell_scene.numerics.model_dump()
         after = cell_scene.with_values(refinement.changes).numerics.model_dump()
         changed = {key for key in before if before[key] != after[key]}
-        wanted = {"time_steps": "tolerance", "mesh": "elements"}
-        assert changed == {wanted.get(refinement.part, refinement.part)}
+        settings = {"time_steps": "tolerance", "mesh": "elements"}
+        assert changed == {settings.get(refinement.part, refinement.part)}
 
 
-def test_what_is_at_its_most_is_compared_with_less(cell_scene):
+def test_a_setting_at_its_limit_is_compared_with_a_coarser_one(cell_scene):
     most = {"numerics.thickness_points": 16, "numerics.elements": 100_000}
     scene = cell_scene.with_values(most)
     finer = {refinement.part: refinement for refinement in refinements(scene)}
@@ -123,8 +125,8 @@ def test_what_is_at_its_most_is_compared_with_less(cell_scene):
         assert finer[part].scale > 0
 
 
-def test_nothing_is_refined_that_has_no_error(cell_scene):
-    """Without growth there is no error of time steps; without shear none of its penalty."""
+def test_parts_without_error_are_not_refined(cell_scene):
+    """Without growth time steps have no error; an infinite shear penalty has none."""
     scene = cell_scene.with_values({"growth": None, "run": None})
     scene = scene.with_values({"numerics.shear_penalty": float("inf"), "numerics.order": 2})
     bars = estimate_error_bars(scene, simulate(scene))
@@ -153,7 +155,7 @@ def test_a_refined_run_that_loses_equilibrium_is_reported(cell_scene):
     assert not np.isnan(bars.thickness_points[1])
 
 
-def test_saved_times_that_the_run_did_not_reach_have_no_bars(cell_scene):
+def test_saved_times_that_the_run_did_not_reach_have_no_error_bars(cell_scene):
     changes = {"growth.zone.half_angle": 40.0, "run.end": 60.0, "run.save": [20.0, 60.0]}
     scene = cell_scene.with_values(changes | {"numerics.thickness_points": 3})
     result = simulate(scene)
@@ -163,7 +165,7 @@ def test_saved_times_that_the_run_did_not_reach_have_no_bars(cell_scene):
     assert bars.message == ""
 
 
-def test_a_path_has_no_bars(cell_scene):
+def test_an_equilibrium_path_has_no_error_bars(cell_scene):
     path = StaticPath(until=Until(volume_ratio=1.1), steps=2)
     scene = cell_scene.with_values({"growth": None, "run": None, "path": path})
     bars = estimate_error_bars(scene, simulate(scene))
@@ -171,7 +173,7 @@ def test_a_path_has_no_bars(cell_scene):
     assert "an equilibrium path has no saved times" in bars.message
 
 
-def test_an_interrupted_refinement_interrupts(cell_scene, monkeypatch):
+def test_an_interrupted_refined_run_raises_an_interrupt(cell_scene, monkeypatch):
     scene = cell_scene.with_values({"run.end": 1.0, "numerics.thickness_points": 3})
     result = simulate(scene)
     stopped = SimpleNamespace(status="interrupted")
@@ -180,8 +182,8 @@ def test_an_interrupted_refinement_interrupts(cell_scene, monkeypatch):
         estimate_error_bars(scene, result)
 
 
-def test_bars_go_through_the_output_folder(cell_scene, tmp_path):
-    """With null for what is not known."""
+def test_error_bars_are_written_to_and_read_from_the_summary(cell_scene, tmp_path):
+    """Unknown values are null."""
     scene = cell_scene.with_values({"run.end": 1.0, "numerics.thickness_points": 3})
     result = simulate(scene)
     found = estimate_error_bars(scene, result)
@@ -196,8 +198,8 @@ def test_bars_go_through_the_output_folder(cell_scene, tmp_path):
     assert read.time_steps == found.time_steps and np.isnan(read.total[0])
 
 
-def test_the_command_tells_the_bars(cell_scene, tmp_path):
-    """On the screen, in run.json, and in the figure, where `plot` finds them again."""
+def test_the_command_shows_the_error_bars(cell_scene, tmp_path):
+    """On the screen, in run.json and in the figure, which `plot` draws again."""
     values = {"preset": "paper", "elements": 60, "step": 2.0}
     scene = cell_scene.with_values({"numerics": values, "run.end": 20.0, "run.save": [10.0, 20.0]})
     (tmp_path / "small.toml").write_text(scene.to_toml())

@@ -1,4 +1,4 @@
-"""Sweeps: which cases they take in, how these run side by side, what is left when some do not."""
+"""Sweeps: their cases, parallel runs, failures and interruptions."""
 
 import csv
 import os
@@ -72,7 +72,7 @@ def table(folder: Path) -> list[dict[str, str]]:
 )
 def test_values_are_read_with_units_and_ranges(bud: Scene, text: str, held: list) -> None:
     cases = plan(bud, [parse_variation(text)])
-    assert [case.values[0] for case in cases] == held  # to the last digit: 0.95, not 0.9500001
+    assert [case.values[0] for case in cases] == held  # exactly: 0.95, not 0.9500000000000001
     assert len({case.name for case in cases}) == len(cases)
     assert all(set(case.name) <= set("=.+,-_" + "abcdefghijklmnopqrstuvwxyz0123456789")
                for case in cases)  # fmt: skip
@@ -111,7 +111,7 @@ def test_cases_are_the_product_of_the_lists(bud: Scene) -> None:
         ("wall.thickness=1:9:3", "less than the cell's radius"),
     ],
 )
-def test_an_invalid_plan_is_refused_in_one_line(bud: Scene, text: str, words: str) -> None:
+def test_an_invalid_plan_is_refused_on_one_line(bud: Scene, text: str, words: str) -> None:
     with pytest.raises(SceneError) as refusal:
         plan(bud, [parse_variation(text)])
     assert words in str(refusal.value) and "\n" not in str(refusal.value)
@@ -122,7 +122,7 @@ def test_an_invalid_plan_is_refused_in_one_line(bud: Scene, text: str, words: st
 
 @pytest.mark.slow
 @pytest.mark.process
-def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) -> None:
+def test_a_sweep_writes_a_directory_for_each_case_a_table_and_a_figure(here: Path) -> None:
     vary = ("--vary", "growth.time=30,45", "--vary", "growth.threshold=0.9 MPa:1.1 MPa:2")
     done = sweep(*vary, "--jobs", "2", "--set", "run.save=[2,8]")
     assert (done.returncode, done.stderr) == (0, "")
@@ -156,11 +156,11 @@ def test_a_sweep_leaves_a_folder_for_each_case_a_table_and_a_figure(here: Path) 
 
 @pytest.mark.slow
 @pytest.mark.process
-def test_started_again_it_runs_only_what_is_not_finished(here: Path) -> None:
+def test_a_rerun_sweep_skips_finished_cases(here: Path) -> None:
     assert sweep("--vary", "growth.time=30,45", "--jobs", "1").returncode == 0
     folders = {time: here / "sweep" / f"growth.time={time}" for time in (30, 45, 60)}
     old = {time: folders[time].joinpath("run.json").stat().st_mtime_ns for time in (30, 45)}
-    # Another scene under the name of a case, and a summary that is not whole, are no answers.
+    # A case is rerun if its directory has another scene or an incomplete summary.
     text = (folders[45] / "scene.toml").read_text()
     (folders[45] / "scene.toml").write_text(text.replace("thickness = 0.1", "thickness = 0.11"))
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
@@ -189,7 +189,7 @@ def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
 
 
 @pytest.mark.process
-def test_no_equilibrium_is_an_answer(here: Path) -> None:
+def test_a_case_without_equilibrium_has_not_failed(here: Path) -> None:
     done = sweep("--vary", "turgor.pressure=0.2,2", "--jobs", "1", "--quiet")
     assert (done.returncode, done.stderr) == (0, "")
     assert [row["status"] for row in table(here)] == ["finished", "no-equilibrium"]
@@ -232,8 +232,8 @@ LONG = ("--set", "numerics.step=0.005")  # some seconds each
 @pytest.mark.slow
 @pytest.mark.process
 @pytest.mark.parametrize("to_all", [True, False])
-def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_all: bool) -> None:
-    """A terminal interrupts every process; a batch system ends the first one."""
+def test_ctrl_c_stops_the_running_cases_and_keeps_their_results(here: Path, to_all: bool) -> None:
+    """A terminal signals all processes; a batch system signals the first."""
     process = start("--vary", "growth.time=30,45,60", "--jobs", "2", *LONG)
     first, second = (here / "sweep" / f"growth.time={time}" for time in (30, 45))
     wait_for(lambda: lines(first) > 5 and lines(second) > 5, process)
@@ -243,7 +243,7 @@ def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_
         process.send_signal(signal.SIGTERM)
     output, errors = process.communicate(timeout=30)
     assert (process.returncode, output) == (130, "")
-    # MPI's own daemon may have said something before.
+    # MPI's daemon may have written lines before.
     assert errors.splitlines()[-1] == "interrupted; rerun the same command to continue"
     kept = {}
     for folder in (first, second):
@@ -254,14 +254,14 @@ def test_ctrl_c_stops_the_running_cases_and_keeps_what_they_have(here: Path, to_
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "2", *LONG)
     assert done.returncode == 0
     assert [row["status"] for row in table(here)] == ["finished"] * 3
-    for folder in (first, second):  # gone on with, not begun again
+    for folder in (first, second):  # resumed, not restarted
         assert read_history(folder).rows[: len(kept[folder])] == kept[folder]
         assert read_history(folder).rows[-1].time_min == 8
         assert read_history(folder).rows[len(kept[folder])].step_min == pytest.approx(0.005)
 
 
 def runs(process: int) -> bool:
-    """Whether a process lives: one that has ended and that nobody waits for has no command."""
+    """Return whether a process runs; one that has ended but is not reaped has no command."""
     try:
         return bool(Path(f"/proc/{process}/cmdline").read_bytes())
     except OSError:
@@ -269,7 +269,7 @@ def runs(process: int) -> bool:
 
 
 def children(process: subprocess.Popen[str]) -> list[int]:
-    """Processes that run cases below one."""
+    """Return the worker processes of a sweep."""
     found = []
     for entry in Path("/proc").iterdir():
         if entry.name.isdecimal():
@@ -284,11 +284,11 @@ def children(process: subprocess.Popen[str]) -> list[int]:
 
 
 @pytest.mark.process
-def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
-    """Whoever is killed twice is to blame; the others run again."""
+def test_a_killed_process_fails_only_its_own_case(here: Path) -> None:
+    """Cases that ran when a process was killed are rerun, one at a time."""
     process = start("--vary", "numerics.step=0.002,2,4", "--jobs", "1")
-    guilty = here / "sweep" / "numerics.step=0.002"
-    wait_for(lambda: lines(guilty) > 5, process)
+    killed = here / "sweep" / "numerics.step=0.002"
+    wait_for(lambda: lines(killed) > 5, process)
     for child in children(process):
         os.kill(child, signal.SIGKILL)
     _, errors = process.communicate(timeout=60)
@@ -300,7 +300,7 @@ def test_a_killed_process_fails_its_own_case_alone(here: Path) -> None:
 
 
 @pytest.mark.process
-def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
+def test_no_case_keeps_running_when_the_sweep_is_killed(here: Path) -> None:
     process = start("--vary", "growth.time=30,45", "--jobs", "2", *LONG)
     wait_for(lambda: lines(here / "sweep" / "growth.time=45") > 5, process)
     workers = children(process)
@@ -315,8 +315,8 @@ def test_nothing_runs_on_when_the_sweep_itself_is_killed(here: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.process
-def test_many_cases_in_one_process_take_the_memory_of_a_few(bud: Scene) -> None:
-    """A run that leaves its solver behind costs 30 kB each time."""
+def test_many_cases_in_one_process_need_no_more_memory_than_a_few(bud: Scene) -> None:
+    """A run whose solver is not freed would take 30 kB."""
     code = """
 import sys
 from mpi4py import MPI
