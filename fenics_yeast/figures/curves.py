@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..geometry import Array
 from ..scene import Scene
 from ..simulation import ErrorBars, History, Status
-from .style import COLOURS, FINER, curve_axes, spread
+from .style import COLOURS, FINER, curve_axes, minutes, spread
 from .wall_fields import hermite
 
 if TYPE_CHECKING:
@@ -195,6 +195,6 @@ def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> No
         when = "beyond" if curve.status == "unbounded" else "at"
         if note:
             axes.annotate(
-                f"{LOST[curve.status]}\n{when} {time:.4g} min", (time, ratio), (-8, -2),
+                f"{LOST[curve.status]}\n{when} {minutes(time)}", (time, ratio), (-8, -2),
                 textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
             )  # fmt: skip

@@ -77,6 +77,11 @@ def spread(items: Sequence[T], most: int) -> list[T]:
     return [items[i] for i in places]
 
 
+def minutes(time: float) -> str:
+    """Return a time in min as a label, short runs with more decimals."""
+    return f"{time:.1f} min" if time >= 10 else f"{time:.3g} min"
+
+
 def growth_colours(largest: float) -> Any:
     """Return colours of growth strains from 0 to a largest one: dark to bright, none faint."""
     from matplotlib import colormaps

@@ -22,7 +22,7 @@ from ..output import SIGNALS, DolfinxMissing, Job, OutputError, RunLost, writing
 from ..scene import SceneError
 from ..simulation import Result, on_root
 from .cases import Case
-from .table import TABLE, CaseRow, finished_row, read_table, row_of, was_cut_short, write_table
+from .table import TABLE, CaseRow, finished_row, is_unfinished, read_table, row_of, write_table
 
 # One of each per worker process.
 _STOP = Event()  # its case ends after the current step
@@ -171,7 +171,7 @@ def _work(directory: Path, case: Case) -> str:
     with _BUSY:
         try:
             try:
-                result = run(resume=was_cut_short(directory, case))
+                result = run(resume=is_unfinished(directory, case))
             except OutputError:  # its checkpoint is damaged
                 result = run(resume=False)
         except OutputError as error:

@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..figures import COLOURS, LOST, Curve, curve_axes, figure_of, place, pressures, volumes
+from ..figures import (
+    COLOURS,
+    LOST,
+    Curve,
+    curve_axes,
+    figure_of,
+    minutes,
+    place,
+    pressures,
+    volumes,
+)  # fmt: skip
 from ..output import read_history, read_scene
 from ..scene import unit_symbol
 from .cases import value_label
@@ -119,8 +129,9 @@ def _write_numbers(
         y, x = _field(row, across, up)
         at, colour = ratios[y, x], "black"
         if np.isnan(at):
-            lost = row.status in LOST and row.end_time is not None
-            text = "×" if crowded or not lost else f"lost at\n{row.end_time:.4g} min"
+            text = "×"
+            if not crowded and row.status in LOST and row.end_time is not None:
+                text = f"lost at\n{minutes(row.end_time)}"
         else:
             text = "" if crowded else f"{at:.3f}"
             colour = "white" if at < middle else "black"

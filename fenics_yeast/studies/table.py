@@ -14,6 +14,7 @@ from .cases import Case
 
 TABLE = "sweep.csv"  # in the directory of the sweep
 _RATIO = ("volume_ratio_at_", "_min")
+_LAST = ("end_volume_ratio", "wall_s", "message")
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def finished_row(directory: Path, case: Case) -> CaseRow | None:
     return row if row is not None and row.answered else None
 
 
-def was_cut_short(directory: Path, case: Case) -> bool:
+def is_unfinished(directory: Path, case: Case) -> bool:
     """Return whether the case's directory has an unfinished run of its scene."""
     folder = directory / case.name
     try:
@@ -123,9 +124,6 @@ def write_table(directory: Path, keys: Sequence[str], rows: Iterable[CaseRow]) -
         )  # fmt: skip
     with writing(directory):
         replace_file(directory / TABLE, text.getvalue().encode())
-
-
-_LAST = ("end_volume_ratio", "wall_s", "message")
 
 
 def read_table(directory: Path) -> tuple[list[str], list[CaseRow]]:

@@ -135,4 +135,4 @@ def test_a_loss_of_equilibrium_is_marked_with_its_time(tmp_path: Path, growing: 
     with matplotlib.rc_context({"svg.fonttype": "none"}):
         volumes([Curve("a cell", history, "no-equilibrium")], tmp_path / "lost.svg")
     text = (tmp_path / "lost.svg").read_text()
-    assert "equilibrium lost" in text and "at 0.9916 min" in text
+    assert "equilibrium lost" in text and "at 0.992 min" in text
