@@ -9,7 +9,7 @@ from typing import Any, Self, get_args
 
 import numpy as np
 
-from ..simulation import ErrorBars, Result, Status, Timings
+from ..simulation import ErrorBars, ErrorEstimate, Result, Status, Timings
 from .errors import OutputError
 from .files import RUN
 
@@ -30,6 +30,8 @@ class Summary:
     rejected_steps: int
     newton_iterations: int
     timings: Timings
+    error_estimate: ErrorEstimate | None = None
+    warnings: tuple[str, ...] = ()
     error_bars: ErrorBars | None = None
 
     @classmethod
@@ -45,12 +47,18 @@ class Summary:
             rejected_steps=int(result.rejected_steps),
             newton_iterations=int(result.newton_iterations),
             timings=timings,
+            error_estimate=result.error_estimate,
+            warnings=result.warnings,
             error_bars=result.error_bars,
         )
 
     def to_json(self) -> bytes:
         """Return the content of the file."""
-        content = vars(self) | {"timings": asdict(self.timings)}
+        errors = self.error_estimate
+        content = vars(self) | {
+            "timings": asdict(self.timings),
+            "error_estimate": errors and asdict(errors) | {"total": errors.total},
+        }
         if self.error_bars is None:
             del content["error_bars"]
         else:  # JSON has null in place of "not a number"
@@ -75,6 +83,10 @@ def read_summary(directory: Path) -> Summary | None:
         if content["status"] not in get_args(Status):
             raise ValueError
         content["timings"] = Timings(**content["timings"])
+        if errors := content.get("error_estimate"):
+            del errors["total"]  # the sum of the others
+            content["error_estimate"] = ErrorEstimate(**errors)
+        content["warnings"] = tuple(content.get("warnings", ()))
         if "error_bars" in content:
             content["error_bars"] = _error_bars(content["error_bars"])
         return Summary(**content)

@@ -9,6 +9,7 @@ from .growth import Growth, Polarity
 from .keys import fields_of, flatten, keys_of, parse_assignment, parse_value, unit_symbol, value_of
 from .loads import Load, PressureTable, Septum, Turgor
 from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
+from .precision import SHARES, Meridian, estimate_errors
 from .run import Control, Run, StaticPath, Until
 from .scene import Scene
 from .units import Unit
@@ -16,9 +17,9 @@ from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
 from .zone import Zone
 
 __all__ = [
-    "PRESETS", "AnyWall", "Cell", "Control", "Geometry", "Grading", "Growth", "Integrator",
-    "LinearWall", "Load", "Numerics", "OgdenWall", "Polarity", "Preset", "PressureTable", "Run",
-    "Scene", "SceneError", "Septum", "StaticPath", "Turgor", "Unit", "Until", "Wall",
-    "WallZone", "Zone", "fields_of", "flatten", "keys_of", "parse_assignment", "parse_value",
-    "unit_symbol", "value_of", "value_text",
+    "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "Geometry", "Grading", "Growth",
+    "Integrator", "LinearWall", "Load", "Meridian", "Numerics", "OgdenWall", "Polarity",
+    "Preset", "PressureTable", "Run", "Scene", "SceneError", "Septum", "StaticPath", "Turgor",
+    "Unit", "Until", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of", "flatten",
+    "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of", "value_text",
 ]  # fmt: skip

@@ -1,13 +1,12 @@
-"""What several tables of a scene must agree on, and the elements that they need together."""
+"""What several tables of a scene must agree on."""
 
 from collections.abc import Sequence
 
 from ..geometry import Intervals, neck
 from .cell import AnyCell, ConeCell
 from .errors import refusal
-from .growth import Growth, Polarity
+from .growth import Polarity
 from .loads import Load, PressureTable, Septum, Turgor
-from .numerics import elements_for
 from .run import Run, StaticPath
 from .wall import AnyWall
 from .zone import Zone, misplaced
@@ -112,15 +111,3 @@ def _check_pole(pole: str | None, cell: AnyCell, key: str) -> None:
     for each in ("top", "bottom") if pole == "both" else (pole,):
         if each is not None and each not in cell.poles:
             raise refusal(f"a {cell.shape} has no {each} pole", key=f"{key}.pole")
-
-
-def count_elements(
-    tolerance: float, cell: AnyCell, wall: AnyWall, growing: Sequence[Growth], load: Load | None
-) -> int:
-    """Return the number of elements that keeps V/V0 within a tolerance."""
-    zones = [growth.zone for growth in growing]
-    layers = cell.layers + sum(zone.layers for zone in (*zones, *wall.zone))
-    layers += sum(2 * growth.zone.parts for growth in growing if growth.polarity is not None)
-    if load is not None:
-        layers += 2 if cell.closed else 1  # the load, and the pole that supports the cell
-    return elements_for(tolerance, sum(zone.parts for zone in zones), layers)

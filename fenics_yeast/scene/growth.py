@@ -3,9 +3,10 @@
 from math import inf
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from ..geometry import Poles
+from ..geometry import Array, Curve, Poles
 from .errors import BRANCH, refusal
 from .table import Table
 from .units import Length, Pressure, Time
@@ -44,6 +45,18 @@ class Polarity(Table):
         if self.centre is not None and self.follow == "tip":
             raise refusal("the tip is a pole; remove centre or follow", key="centre")
         return self
+
+    def centres(self, curve: Curve) -> list[float]:
+        """Return the arc lengths in µm around which growth decays on the unloaded wall."""
+        if self.centre is not None:
+            return [self.centre]
+        ends = {"bottom": [0.0], "both": [0.0, curve.length]}
+        return ends.get(self.pole or "top", [curve.length])
+
+    def weight_at(self, S: Array, curve: Curve) -> Array:
+        """Return the Gaussian at arc lengths in µm of the unloaded wall."""
+        distances = [np.abs(S - centre) for centre in self.centres(curve)]
+        return np.exp(-((np.min(distances, axis=0) / self.width) ** 2) / 2)
 
 
 class Growth(Table):

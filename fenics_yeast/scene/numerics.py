@@ -19,18 +19,19 @@ Integrator = Literal["forward-euler", "backward-euler", "sdirk2", "sdirk3"]
 class Preset:
     """Values of the keys of `Numerics` that a scene omits; by default those of "default".
 
-    Without a number of `elements`, it follows from the tolerance.
+    Of these, elements, thickness points and shear penalty are those of a bud, for the default
+    tolerance; `precision.choose_numerics` chooses them for another scene.
     """
 
-    elements: int | None = None
+    elements: int = 10
     order: int = 4
     grading: Grading = "graded"
     geometry: Geometry = "curved"
-    thickness_points: int = 5
+    thickness_points: int = 9
     shear_penalty: float = 1000.0
     integrator: Integrator = "sdirk3"
     step: float | None = None
-    tolerance: float = 1e-4
+    tolerance: float = 1e-3
 
 
 _PAPER = Preset(
@@ -51,41 +52,14 @@ def _none_if_adaptive(value: object) -> object:
     return None if value == "adaptive" else value
 
 
-def _chosen(given: Mapping[str, Any]) -> Preset:
-    # Some releases of pydantic ask even if the preset is wrong.
-    return PRESETS[given.get("preset", "default")]
-
-
 def _preset(key: str, description: str, **bounds: Any) -> Any:
     """Return the field of `Numerics` whose default is that of the preset."""
     return Field(
-        default_factory=lambda given: getattr(_chosen(given), key),
+        # Some releases of pydantic ask even if the preset is wrong.
+        default_factory=lambda given: getattr(PRESETS[given.get("preset", "default")], key),
         description=description,
         **bounds,
     )
-
-
-def elements_for(tolerance: float, zones: int = 1, layers: int = 1) -> int:
-    """Return the number of graded elements of degree 4 that keeps V/V0 within a tolerance.
-
-    Measured on growing buds, thick and thin: 12 elements have an error below 1e-5, 24 below 1e-6.
-    The parts of other scenes get the shares of elements that they have in a bud.
-
-    Parameters
-    ----------
-    tolerance
-        Relative error of V/V0.
-    zones, layers
-        Number of parts of the meridian that grow, and of boundary layers; a bud has one of each.
-    """
-    share = (1 + 1.6 * zones + 5.6 * layers) / 8.2
-    return max(10, round(14 * share * (1e-4 / tolerance) ** (1 / 6)))
-
-
-def _elements(given: Mapping[str, Any]) -> int:
-    """Return the number of elements of the preset or of a bud; `Scene` replaces the latter."""
-    preset = _chosen(given)
-    return preset.elements or elements_for(given.get("tolerance", preset.tolerance))
 
 
 class Numerics(Table):
@@ -94,15 +68,8 @@ class Numerics(Table):
     preset: Literal["default", "paper"] = Field(
         default="default", description="source of the values of the other keys"
     )
-    tolerance: float = _preset(
-        "tolerance", "relative error of V/V0 with adaptive steps (1)", ge=1e-8, le=0.1
-    )
-    elements: int = Field(
-        default_factory=_elements,
-        description="number of elements along the meridian; default: from the tolerance",
-        ge=2,
-        le=100_000,
-    )
+    tolerance: float = _preset("tolerance", "relative error of V/V0 (1)", ge=1e-8, le=0.1)
+    elements: int = _preset("elements", "number of elements along the meridian", ge=2, le=100_000)
     order: int = _preset("order", "degree of the Lagrange elements", ge=1, le=4)
     grading: Grading = _preset("grading", "element sizes: uniform, or graded to zones and edges")
     geometry: Geometry = _preset("geometry", "meridian within an element: conical or curved")

@@ -21,7 +21,8 @@ from .explain import explain
 from .growth import Growth, OneOrMore
 from .keys import set_value
 from .loads import Load, Septum, Turgor
-from .numerics import PRESETS, Numerics
+from .numerics import Numerics
+from .precision import Meridian, choose_numerics
 from .run import Run, StaticPath
 from .table import Table
 from .wall import AnyWall
@@ -76,17 +77,15 @@ class Scene(Table):
         return self
 
     @model_validator(mode="after")
-    def _count_elements(self) -> Self:
-        """Set the number of elements that this scene needs, unless it is given."""
-        numerics = self.numerics
-        given = numerics.model_fields_set
-        if "elements" not in given and PRESETS[numerics.preset].elements is None:
-            elements = checks.count_elements(
-                numerics.tolerance, self.cell, self.wall, self.growing, self.axial_load
-            )
-            values = dict(numerics) | {"elements": elements}
-            self.__dict__["numerics"] = Numerics.model_construct(given, **values)  # frozen
+    def _choose_numerics(self) -> Self:
+        """Set what the tolerance asks of this scene, unless it is given."""
+        self.__dict__["numerics"] = choose_numerics(self.numerics, self.meridian)  # frozen
         return self
+
+    @property
+    def meridian(self) -> Meridian:
+        """What the meridian asks of its mesh."""
+        return Meridian.of(self.cell, self.wall, self.growing, self.axial_load)
 
     @property
     def growing(self) -> tuple[Growth, ...]:

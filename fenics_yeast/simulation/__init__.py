@@ -10,7 +10,16 @@ from .history import COLUMNS, History, Row
 from .observers import Observers
 from .profiles import Profile, Profiles
 from .ranks import RootError, on_root
-from .result import ANSWERS, EXIT_STATUS, ErrorBars, Observer, Result, Status, Timings
+from .result import (
+    ANSWERS,
+    EXIT_STATUS,
+    ErrorBars,
+    ErrorEstimate,
+    Observer,
+    Result,
+    Status,
+    Timings,
+)
 from .separation import pieces
 
 if TYPE_CHECKING:
@@ -20,9 +29,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ANSWERS", "COLUMNS", "EXIT_STATUS", "Checkpoint", "CheckpointError", "ErrorBars",
-    "History", "Observer", "Observers", "Profile", "Profiles", "Result", "ResumePoint",
-    "RootError", "Row", "Simulation", "Status", "Timings", "build_shell", "discretise",
-    "on_root", "pieces", "simulate",
+    "ErrorEstimate", "History", "Observer", "Observers", "Profile", "Profiles", "Result",
+    "ResumePoint", "RootError", "Row", "Simulation", "Status", "Timings", "build_shell",
+    "discretise", "on_root", "pieces", "simulate",
 ]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.

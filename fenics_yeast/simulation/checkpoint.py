@@ -16,10 +16,11 @@ from .history import Row
 from .profiles import Profile
 from .recorder import RecorderState
 from .result import Timings
+from .step_errors import StepErrorState
 
 Values = NDArray[Any]
 
-FORMAT = 2
+FORMAT = 3
 _FORMAT, _DIGEST = "format", "sha256"
 
 
@@ -46,9 +47,9 @@ class Checkpoint:
     ----------
     scene
         The scene as TOML.
-    stepper, chord, controller, stability
-        States of the time stepper with the shell, the solver's tangent, the step control and the
-        count of negative modes.
+    stepper, chord, controller, stability, errors
+        States of the time stepper with the shell, the solver's tangent, the step control, the
+        count of negative modes and the errors of the steps.
     step_reduced
         Whether fixed steps were reduced to the stability limit of the method.
     recorder
@@ -62,6 +63,7 @@ class Checkpoint:
     chord: ChordState | None
     controller: ControllerState
     stability: StabilityState
+    errors: StepErrorState
     step_reduced: bool
     recorder: RecorderState
     timings: Timings

@@ -21,7 +21,7 @@ from ..geometry import (
     place_nodes,
     within,
 )
-from ..scene import Polarity, Scene
+from ..scene import Scene
 
 _NEAREST = 1e-3  # part of the width of a tip down to which elements get smaller towards it
 
@@ -46,7 +46,7 @@ def discretise(scene: Scene) -> Discretisation:
         tips = [polarity for zone in scene.growing if (polarity := zone.polarity) is not None]
         points = [
             _Point(S, tip.width, tip.follow == "tip")
-            for tip in tips for S in _centres(tip, curve)
+            for tip in tips for S in tip.centres(curve)
         ]  # fmt: skip
         rests = [0.0] if load and scene.cell.closed else []  # on a point, like the load
         layers = [*inner, *outer, *load, *rests]
@@ -128,13 +128,6 @@ class _Point:
             return []
         inward = 1 if self.S == 0 else -1
         return [self.S + inward * self.width * part for part in (_NEAREST, 0.01, 0.1)]
-
-
-def _centres(polarity: Polarity, curve: Curve) -> list[float]:
-    if polarity.centre is not None:
-        return [polarity.centre]
-    ends = {"bottom": [0.0], "both": [0.0, curve.length]}
-    return ends.get(polarity.pole or "top", [curve.length])
 
 
 def _graded(

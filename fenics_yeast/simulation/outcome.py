@@ -8,10 +8,11 @@ from .result import Status
 
 
 class Outcome(NamedTuple):
-    """Status of a run and the sentence that explains it."""
+    """Status of a run, the sentence that explains it, and its end in min if beyond all states."""
 
     status: Status
     message: str
+    time: float | None = None
 
 
 def limit_pressure_exceeded(limit: float, time: float | None = None) -> Outcome:
@@ -49,6 +50,7 @@ def growth_unbounded(time: float, row: Row) -> Outcome:
         "unbounded",
         f"growth without bound: the volume becomes infinite at {time:.7g} min "
         f"(followed to {row.time_min:.5g} min, V/V0 = {row.volume_ratio:.4g})",
+        time,
     )
 
 

@@ -76,6 +76,29 @@ class ErrorBars:
 
 
 @dataclass(frozen=True)
+class ErrorEstimate:
+    """Estimated relative error of V/V0: the largest of the saved times.
+
+    Attributes
+    ----------
+    steps
+        By the time steps, from the estimates of each.
+    mesh, thickness_points, shear_penalty
+        Bounds of what was measured on growing buds.
+    """
+
+    steps: float
+    mesh: float
+    thickness_points: float
+    shear_penalty: float
+
+    @property
+    def total(self) -> float:
+        """Sum of the parts."""
+        return self.steps + self.mesh + self.thickness_points + self.shear_penalty
+
+
+@dataclass(frozen=True)
 class Result:
     """What a simulation found.
 
@@ -87,13 +110,17 @@ class Result:
     status, message
         How it ended: a status word and a sentence.
     end_time
-        Time of the last accepted state in min.
+        Time in min of the last accepted state or, without bound, at which V becomes infinite.
     dofs, steps, rejected_steps, newton_iterations
         Number of DOFs, of accepted and rejected steps, and of Newton iterations of all steps.
     timings
         Where the time went.
+    error_estimate
+        Estimated error of V/V0; None if the run broke off outside of its steps.
+    warnings
+        What must be known about a run even if it ended well.
     error_bars
-        Estimated errors of V/V0, if they were requested.
+        Errors of V/V0 by refined runs, if they were requested.
     """
 
     history: History
@@ -106,6 +133,8 @@ class Result:
     rejected_steps: int
     newton_iterations: int
     timings: Timings
+    error_estimate: ErrorEstimate | None = None
+    warnings: tuple[str, ...] = ()
     error_bars: ErrorBars | None = None
 
     def __repr__(self) -> str:

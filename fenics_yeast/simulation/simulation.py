@@ -13,6 +13,7 @@ from ..scene import Scene
 from .build import build_shell
 from .checkpoint import Checkpoint, ResumePoint
 from .checkpointer import Checkpointer, local
+from .error_estimate import tolerance_warning
 from .history import History, Row
 from .initial_state import set_initial_state
 from .observers import Observers, Publisher, RowCallback
@@ -72,6 +73,7 @@ class Simulation:
     ) -> None:
         self._began = perf_counter()
         scene = scene if isinstance(scene, Scene) else Scene.load(scene)
+        self._scene = scene
         self._shell = shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
         self._recorder = recorder = Recorder(shell)
         observers = [] if observer is None else [observer]
@@ -155,18 +157,23 @@ class Simulation:
     def result(self) -> Result:
         """Result so far; its status is interrupted until the run has ended."""
         rows, recorder = self._recorder.rows, self._recorder
-        status, message = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
+        outcome = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
+        status, message = outcome.status, outcome.message
+        estimate = self._driver.estimate_error()
+        warning = tolerance_warning(self._scene, estimate)
         return Result(
             history=History(rows),
             profiles=Profiles(tuple(recorder.profiles), self._shell.discretisation.zones),
             status=status,
             message=message + (stability_note(rows) if status != "failed" else ""),
-            end_time=self._time,
+            end_time=self._time if outcome.time is None else outcome.time,
             dofs=dx.size_of(self._shell.space),
             steps=max(0, len(rows) - 1),
             rejected_steps=recorder.rejected,
             newton_iterations=recorder.iterations,
             timings=self._timings(),
+            error_estimate=estimate,
+            warnings=() if warning is None else (warning,),
         )
 
     @property

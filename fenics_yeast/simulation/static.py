@@ -15,9 +15,11 @@ from ..solve import (
     find_limit_pressure,
     follow_path,
 )
+from .error_estimate import estimate_error
 from .history import Row
 from .outcome import Outcome, limit_force_exceeded, limit_pressure_exceeded
 from .recorder import Recorder
+from .result import ErrorEstimate
 from .scales import force_scale, length_scale, pressure_scale
 
 
@@ -103,6 +105,10 @@ class Static:
         if coordinates.load is not shell.pressure:
             shell.force.begin()
         return None
+
+    def estimate_error(self) -> ErrorEstimate:
+        """Return the estimated error of V/V0 along the path."""
+        return estimate_error(self._scene, 0.0, 0.0)
 
     # --- ends -----------------------------------------------------------------------------
 

@@ -3,10 +3,13 @@
 from bisect import bisect_left
 from collections.abc import Generator, Sequence
 from contextlib import ExitStack
+from itertools import pairwise
 from typing import Any, Self
 
+import numpy as np
+
 from ..mechanics import Shell
-from ..scene import PressureTable, Scene
+from ..scene import SHARES, PressureTable, Scene
 from ..solve import (
     TABLEAUX,
     Equilibrium,
@@ -24,15 +27,16 @@ from ..solve import (
 from .blow_up import blow_up_time
 from .build import turgor
 from .checkpoint import Checkpoint
+from .error_estimate import estimate_error
 from .history import Row
 from .outcome import Outcome, growth_limit_reached, growth_unbounded, limit_pressure_exceeded
 from .recorder import Recorder
-from .result import Timings
+from .result import ErrorEstimate, Timings
+from .step_errors import StepErrors
 
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
 _FIRST_STEP = 1e-3  # of the characteristic growth time, where steps are adaptive
-_SLOW = 0.02  # V'/V0 times the characteristic growth time, below which growth counts as slow
-_FAST = 0.25  # the same with V'/V, above which errors are compared with the volume itself
+_PARTS = 4  # of a change of pressure, in which growth may begin unseen by estimates of errors
 _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wall may be at rest
 
 
@@ -56,12 +60,15 @@ class Transient:
         self._switches = sorted(time for zone in scene.growing for time in zone.span)
         self._kinks = self._find_kinks()
         self._controller = self._step_controller()
+        growth_time, allowed = scene.growth_time or 1.0, SHARES.steps * scene.numerics.tolerance
+        self._errors = StepErrors(self._tableau, growth_time, shell.reference_volume, allowed)
         # By the names of a checkpoint. The solver comes first, as it moves the shell.
         self._resumable: dict[str, Resumable[Any]] = {
             "chord": self._equilibrium,
             "stepper": self._stepper,
             "controller": self._controller,
             "stability": self._stability,
+            "errors": self._errors,
         }
         self.checkpoint: Checkpoint | None = None
 
@@ -146,6 +153,16 @@ class Transient:
             timings=Timings(),
         )
 
+    def estimate_error(self) -> ErrorEstimate:
+        """Return the estimated error of V/V0 at the saved times, or at the end of the last step."""
+        errors, rows = self._errors.state(), self._recorder.rows
+        error, speed = errors.error, errors.speed
+        if not speed and rows and rows[-1].step_min:
+            change = rows[-1].volume_um3 - rows[-2].volume_um3
+            speed = abs(change) / (rows[-1].step_min * rows[-1].volume_um3)
+            error = errors.shift * speed
+        return estimate_error(self._scene, error, speed)
+
     # --- loading --------------------------------------------------------------------------
 
     def _load(self) -> Outcome | None:
@@ -189,6 +206,9 @@ class Transient:
         milestones = [] if run is None else [*self._kinks, *run.save, run.end]
         if numerics.step is not None:
             return StepController(milestones, numerics.step, None)
+        for start, end in pairwise([0.0, *self._kinks]):
+            if self._stepper.pressure(start) != self._stepper.pressure(end):
+                milestones += list(np.linspace(start, end, _PARTS + 1))
         if growth_time is None:
             return StepController(milestones, max(milestones, default=0.0) / 100, None)
         return StepController(milestones, _FIRST_STEP * growth_time, self._tableau.estimate_order)
@@ -221,26 +241,18 @@ class Transient:
         return self._equilibrium.compliance() < 0 or inside_out
 
     def _accurate(self, step: StepResult, end: float) -> bool:
-        """Whether the trial is accurate enough; adapts the steps."""
-        if self._scene.numerics.step is not None:
-            return self._controller.accepts(0.0)
-        error = self._stepper.volume_error(step)
-        return self._controller.accepts(self._relative_error(error, end - self._time))
-
-    def _relative_error(self, error: float, dt: float) -> float:
-        """Return the estimated error of the volume over the largest one allowed in a step.
-
-        An error δV acts like a shift in time by `δV/V'`, and shifts add up over the run: it is
-        compared with the growth in the characteristic growth time or, if fast, with the volume.
-        """
-        growth_time, recorder = self._scene.growth_time, self._recorder
-        if growth_time is None:
-            return 0.0
-        volume = self._shell.volume()
-        grown = abs(volume - recorder.rows[-1].volume_um3) * growth_time / dt
-        grown = min(max(grown, _SLOW * self._shell.reference_volume), _FAST * volume)
-        allowed = self._scene.numerics.tolerance * grown
-        return abs(error) / (self._tableau.caution * allowed)
+        """Whether the trial is accurate enough; adapts the steps and adds up their errors."""
+        volume, before, start = self._shell.volume(), self._recorder.rows[-1], self._time
+        error, change = self._stepper.volume_error(step), volume - before.volume_um3
+        smooth = start >= self._scene.turgor.ramp and not _among(start, self._kinks)
+        adaptive, relative = self._scene.numerics.step is None, 0.0
+        if adaptive and self._scene.growth_time is not None:
+            relative = self._errors.relative(error, volume, change, end - start, smooth)
+        if not self._controller.accepts(relative):
+            return False
+        saved = self._scene.run is not None and _among(end, self._scene.run.save)
+        self._errors.accept(error, volume, change, end - start, smooth=smooth, saved=saved)
+        return True
 
     @property
     def _patience(self) -> int:
@@ -284,7 +296,12 @@ class Transient:
         if rate == 0:
             return False
         found, iterations = yield from approach_limit_point(
-            self._stepper, self._tolerance, self._scene.numerics.tolerance, rate, end, self._accept
+            self._stepper,
+            self._tolerance,
+            SHARES.steps * self._scene.numerics.tolerance,
+            rate,
+            end,
+            self._accept,
         )
         self._stepper.reset_predictor()
         self._recorder.iterations += iterations

@@ -94,17 +94,16 @@ def refinements(scene: Scene) -> list[Refinement]:
 
 
 def _finer_time(scene: Scene) -> Refinement:
-    """Halve the step, or take a tenth of the tolerance on the same elements."""
+    """Halve the step, or take a tenth of the tolerance for the steps only."""
     numerics = scene.numerics
     tableau = TABLEAUX[numerics.integrator]
     if numerics.step is not None:
         changes: dict[str, object] = {"numerics.step": numerics.step / 2}
         return Refinement("time_steps", changes, _scale(1, 2, tableau.order))
     # The estimate, which the tolerance bounds, falls with another power than the error.
-    changes = {
-        "numerics.tolerance": numerics.tolerance / 10,
-        "numerics.elements": numerics.elements,
-    }
+    changes = {"numerics.tolerance": numerics.tolerance / 10}
+    chosen = ("elements", "thickness_points", "shear_penalty")  # by the tolerance
+    changes |= {f"numerics.{key}": getattr(numerics, key) for key in chosen}
     return Refinement("time_steps", changes, _scale(1, 10, tableau.order / tableau.estimate_order))
 
 
