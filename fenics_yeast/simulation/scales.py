@@ -1,8 +1,9 @@
 """Characteristic pressure, length and force of a scene, and the residual tolerance."""
 
-from ..scene import SHARES, PressureTable, Scene
+from ..scene import PressureTable, Scene
 
 _ROUND_OFF = 1e-12  # of the nodal forces, for those that would double the wall's length
+_LEAST = 2e-9  # relative residual; smaller ones are lost in round-off where growth is large
 
 
 def pressure_scale(scene: Scene) -> float:
@@ -33,7 +34,7 @@ def _precision(scene: Scene) -> float:
     """Return the relative residual that counts as zero, below the errors of adaptive steps."""
     numerics = scene.numerics
     fixed = numerics.step is not None or scene.growth is None
-    return 1e-8 if fixed else max(1e-10, min(1e-5, 0.05 * SHARES.steps * numerics.tolerance))
+    return 1e-8 if fixed else max(_LEAST, min(1e-5, 0.05 * numerics.tolerance))
 
 
 def _load(scene: Scene, nodes: int) -> float:
