@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 
 from .. import _dolfinx as dx
+from ..geometry import Array
 from ..mechanics import Shell
-from .equilibrium import EquilibriumError, check_convergence, create_newton
+from .equilibrium import EquilibriumError, check_convergence, create_newton, solve_undamped
 from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
@@ -53,12 +54,14 @@ class BorderedNewton:
         self._equations = equations = Equations(shell)
         size = shell.reference_volume if self._force is None else self._force.scale
         self._scale = tolerance / (_PRECISION * size)  # of the last equation, to a force
+        self._size = size
         self._target, self._weights, self._ramp = 0.0, (1.0, 0.0), (0.0, 0.0)
+        self._plane: tuple[Array, Array] | None = None
         self._root = shell.comm.rank == 0
         vector = equations.matrix.createVecRight
         self._a, self._b, self._column, self._row = (vector() for _ in range(4))
-        size = equations.owned + self._root  # rank 0 owns the parameter
-        self._x = dx.PETSc.Vec().createMPI((size, None), comm=shell.comm)
+        local = equations.owned + self._root  # rank 0 owns the parameter
+        self._x = dx.PETSc.Vec().createMPI((local, None), comm=shell.comm)
         self._f = self._x.duplicate()
         sizes = (self._x.getSizes(), self._x.getSizes())
         self._bordered = dx.PETSc.Mat().createPython(sizes, context=self, comm=shell.comm)
@@ -124,9 +127,16 @@ class BorderedNewton:
         x = self._x.array
         x[: self._equations.owned] = shell.w.x.array[: self._equations.owned]
         x[self._equations.owned :] = value
+        guess = x.copy()
         self._snes.solve(None, self._x)
         try:
-            iterations = check_convergence(self._snes)
+            try:
+                iterations = check_convergence(self._snes)
+            except EquilibriumError as damped:
+                if self._growth is not None:
+                    raise  # a shorter step is cheaper
+                self._x.array[:] = guess
+                iterations = damped.iterations + solve_undamped(self._snes, self._x)
         except EquilibriumError:
             self._parameter.value = parameter
             if self._growth is not None:
@@ -135,6 +145,30 @@ class BorderedNewton:
             raise
         self._equations.set_trial(self._set_parameter(self._x))
         return iterations
+
+    def solve_in_plane(self, normal: Array, point: Array, size: float) -> int:
+        """Move trial state and load to an equilibrium in a hyperplane of the state.
+
+        Returns and raises what `solve` does.
+
+        Parameters
+        ----------
+        normal, point
+            Its unit normal, zero in the DOFs of other ranks, and one of its points, like `w`.
+        size
+            Distance that matters.
+        """
+        scale, self._scale = self._scale, self._scale * self._size / size
+        self._plane = (normal, point)
+        try:
+            return self.solve(0.0)
+        finally:
+            self._plane, self._scale = None, scale
+
+    def tangent(self) -> Array:
+        """Return the changes of the DOFs, like `w`, and of 1 of the load along the path."""
+        self._jacobian(None, None, None, None)
+        return np.append(-self._equations.with_ghosts(self._b.array_r), 1.0)
 
     def _split(self, x: Any) -> tuple[Any, float]:
         """Return the owned DOFs and, on all ranks, the last entry of a bordered vector."""
@@ -153,9 +187,16 @@ class BorderedNewton:
     def _residual(self, snes: Any, x: Any, f: Any) -> None:
         out, owned = f.array, self._equations.owned
         self._equations.residual(self._set_parameter(x), out[:owned])
-        by_conjugate, by_parameter = self._weights
-        reached = by_conjugate * self.conjugate() + by_parameter * float(self._parameter.value)
-        out[owned:] = self._scale * (reached - self._target)
+        out[owned:] = self._scale * (self._reached() - self._target)
+
+    def _reached(self) -> float:
+        """Return the weighted sum of conjugate and parameter, or the distance from the plane."""
+        if self._plane is None:
+            parameter = float(self._parameter.value)
+            return self._weights[0] * self.conjugate() + self._weights[1] * parameter
+        normal, point = self._plane
+        distance = float(normal @ (self._shell.w.x.array - point))
+        return float(self._shell.comm.allreduce(distance))
 
     def _jacobian(self, snes: Any, x: Any, J: Any, P: Any) -> None:
         shell, equations = self._shell, self._equations
@@ -173,6 +214,8 @@ class BorderedNewton:
         if self._growth is not None:
             equations.assemble(shell.forms.stage_force, self._b.array)
             self._column.aypx(self._ramp[1], self._b)
+        if self._plane is not None:
+            self._row.array[:] = self._plane[0][: equations.owned]
         self._row.scale(self._scale * self._weights[0])
         self._solver.solve(self._column, self._b)
 

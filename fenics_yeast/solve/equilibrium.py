@@ -85,6 +85,29 @@ def check_convergence(snes: Any) -> int:
     raise EquilibriumError(REASONS.get(reason, f"SNES stopped with reason {reason}"), iterations)
 
 
+def solve_undamped(snes: Any, x: Any) -> int:
+    """Solve by full Newton steps, without line search; return the iterations.
+
+    Bending a flat wall by a small step strains it, and the forces of that strain exceed the load:
+    a line search takes ever smaller steps, although the next full one removes them.
+
+    Raises
+    ------
+    EquilibriumError
+        With the reason of SNES.
+    """
+    options, key = dx.PETSc.Options(snes.getOptionsPrefix()), "snes_linesearch_type"
+    options[key] = "basic"
+    snes.setFromOptions()
+    try:
+        snes.solve(None, x)
+        return check_convergence(snes)
+    finally:
+        options[key] = "bt"
+        snes.setFromOptions()
+        options.delValue(key)
+
+
 class Equilibrium:
     """Chord Newton method with line search for one shell; a context manager.
 
@@ -133,10 +156,19 @@ class Equilibrium:
         """
         shell, before = self._shell, self._shell.state()
         inflate_flat_membrane(shell, lambda volume, pressure: pressure, float(shell.pressure.value))
-        self._x.array[:] = shell.w.x.array[: self._equations.owned]
+        guess = shell.w.x.array[: self._equations.owned].copy()
+        self._x.array[:] = guess
         self.snes.solve(None, self._x)
         try:
-            iterations = check_convergence(self.snes)
+            try:
+                iterations = check_convergence(self.snes)
+            except EquilibriumError as damped:
+                if shell.growth is not None and shell.growth.stage.value > 0:
+                    raise  # a shorter time step is cheaper
+                shell.restore(before)
+                self._chord = None
+                self._x.array[:] = guess
+                iterations = damped.iterations + solve_undamped(self.snes, self._x)
         except EquilibriumError:
             shell.restore(before)
             self._chord = None

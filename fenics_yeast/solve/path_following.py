@@ -1,18 +1,23 @@
 """Path following: the equilibria of a wall at given growth under a changing load.
 
 Along the path the load, its conjugate (volume of a pressure, displacement of a force) or the arc
-length between points is prescribed. The arc-length method takes the path over limit points of the
-load: Riks (1979) and Keller (1977), cited in `continuation`.
+length between points is prescribed; the latter two take it over limit points of the load. Where
+the conjugate turns back, the path continues by arc length in all displacements: Riks (1979) and
+Keller (1977), cited in `continuation`, but without the load, as in M. A. Crisfield, A fast
+incremental/iterative solution procedure that handles "snap-through", Comput. Struct. 13 (1981)
+55-62.
 """
 
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import copysign, hypot
+from itertools import pairwise
+from math import copysign
 from typing import Any, Literal
 
 import numpy as np
 
+from .. import _dolfinx as dx
 from ..geometry import Array
 from ..mechanics import Shell
 from .continuation import BorderedNewton
@@ -23,8 +28,13 @@ Control = Literal["pressure", "volume", "arc-length", "force", "displacement"]
 
 LEAST_STEP = 2.0**-10  # of the first step
 _LENGTHENING = 1.05  # of steps beyond the number asked for
+_BEGINNINGS = 2.0**-6, 2.0**-9, 2.0**-12  # of the first step, to see where the path leads
 _NEAR = 1e-7  # of a unit: closer to the target is at the target
+_STRAY = 0.25  # distance from the extrapolated state, in steps: farther is another part of the path
+_STRAY_ALONG = 0.1  # the same from the tangent
+_LEAST_COSINE = 0.6  # between chord and tangent of an arc
 _MOST_POINTS = 20  # times the number of steps asked for
+_MOST_POINTS_OF_TURNS = 2000  # of a path that turns back
 
 
 class PathError(RuntimeError):
@@ -77,7 +87,8 @@ def follow_path(
     coordinates
         The load, its conjugate and their units.
     control
-        What is prescribed from point to point: the load, its conjugate, or the arc length.
+        What is prescribed from point to point: the load, its conjugate, or the arc length. Where
+        the conjugate turns back, the arc length takes its place.
     target
         Where the path ends; the last point meets it exactly.
     steps
@@ -93,67 +104,208 @@ def follow_path(
         At a limit point that the control cannot pass, or if no step converges.
     """
     with BorderedNewton(shell, coordinates.load, tolerance) as solver:
-
-        def position() -> tuple[float, float]:
-            return (
-                solver.conjugate() / coordinates.conjugate_unit,
-                coordinates.load.value / coordinates.load_unit,
-            )
-
-        def solve(direction: Array, projection: float) -> int:
-            """Find the equilibrium whose position has a given projection on a direction."""
-            weights = (
-                direction[0] / coordinates.conjugate_unit,
-                direction[1] / coordinates.load_unit,
-            )
-            iterations = solver.solve(projection, weights)
-            if closed and shell.volume() <= 0:
-                raise EquilibriumError("only a wall that is inside out was found", iterations)
-            return iterations
-
-        v, q = position()
-        points = deque([(0.0, _state(shell, coordinates))], maxlen=3)  # by length along the path
-        span = target.value - (v, q)[target.axis]
-        if abs(span) < _NEAR:
+        path = _Path(shell, coordinates, solver, target, closed)
+        if abs(path.ahead) < _NEAR:
             return
-        step = whole = abs(span) / steps
-        # Also an arc starts as a step in the conjugate.
-        direction = np.array([copysign(1.0, span), 0.0])
-        if control in ("pressure", "force"):
-            direction = direction[::-1]
-        for count in range(_MOST_POINTS * steps):
-            try:
-                _set_state(shell, coordinates, extrapolate(points, points[-1][0] + step))
-                iterations = solve(direction, float(direction @ (v, q)) + step)
-                new = position()
-                ahead = (target.value - new[target.axis]) * copysign(
-                    1.0, target.value - (v, q)[target.axis]
-                )
-                passed = ahead < _NEAR
-                if passed:
-                    iterations += solve(np.eye(2)[target.axis], target.value)
-            except EquilibriumError as error:
-                _set_state(shell, coordinates, points[-1][1])
-                step /= 2
-                if step < LEAST_STEP * whole:
-                    raise PathError(f"no step from here converged: {error}") from error
-                continue
-            points.append((points[-1][0] + step, _state(shell, coordinates)))
-            yield iterations
-            if passed:
-                return
-            if control == "arc-length":
-                direction = np.array([new[0] - v, new[1] - q]) / hypot(new[0] - v, new[1] - q)
-            if count > steps:  # the path is longer than the steps asked for
-                whole *= _LENGTHENING
-            (v, q), step = new, min(whole, 1.5 * step)
+        try:
+            yield from _by_coordinates(path, control, steps)
+        except PathError:
+            if control in ("pressure", "force") or len(path.points) < 2:
+                raise
+            yield from _by_displacements(path, steps)
+
+
+def _by_coordinates(path: "_Path", control: Control, steps: int) -> Iterator[int]:
+    """Take steps in a coordinate, or along the path in the plane of both."""
+    step = whole = abs(path.ahead) / steps
+    # Also an arc starts as a step in the conjugate.
+    direction = np.array([copysign(1.0, path.ahead), 0.0])
+    if control in ("pressure", "force"):
+        direction = direction[::-1]
+    path.begin(direction, step)
+    for count in range(_MOST_POINTS * steps):
+        length, position = path.points[-1].length + step, path.points[-1].position
+        try:
+            predicted = path.predict(length)
+            iterations = path.solve(direction, float(direction @ position) + step)
+            path.refuse_jump(predicted, iterations)
+            iterations += path.stop_at_target(length)
+        except EquilibriumError as error:
+            path.reject()
+            step /= 2
+            if step < LEAST_STEP * whole:
+                raise PathError(f"no step from here converged: {error}") from error
+            continue
+        yield iterations
+        if path.finished:
+            return
+        if control == "arc-length":
+            direction = path.points[-1].position - position
+            direction /= np.hypot(*direction)
+        if count > steps:  # the path is longer than the steps asked for
+            whole *= _LENGTHENING
+        step = min(whole, 1.5 * step)
     raise PathError(f"the target was not reached in {_MOST_POINTS * steps} points")
 
 
-def _state(shell: Shell, coordinates: PathCoordinates) -> Array:
-    """Return trial state and load in one array."""
-    return np.append(shell.w.x.array, float(coordinates.load.value))
+def _by_displacements(path: "_Path", steps: int) -> Iterator[int]:
+    """Take steps of arc length in the displacements, which may pass any turn of the path."""
+    step = path.distance_of_last()
+    least = LEAST_STEP * step
+    for _ in range(max(_MOST_POINTS * steps, _MOST_POINTS_OF_TURNS)):
+        try:
+            iterations = path.solve_along(step) + path.stop_at_target()
+        except EquilibriumError as error:
+            path.reject()
+            step /= 2
+            if step < least:
+                raise PathError(f"no step from here converged: {error}") from error
+            continue
+        yield iterations
+        if path.finished:
+            return
+        step *= 1.5
+    raise PathError("the target was not reached by arc length")
 
 
-def _set_state(shell: Shell, coordinates: PathCoordinates, state: Array) -> None:
-    shell.w.x.array[:], coordinates.load.value = state[:-1], float(state[-1])
+@dataclass(frozen=True)
+class _Point:
+    """A point of a path: DOFs and load, position in the plane, and length up to it."""
+
+    state: Array
+    position: Array
+    length: float
+
+
+class _Path:
+    """The last points of a path, and the search for the next one."""
+
+    def __init__(
+        self,
+        shell: Shell,
+        coordinates: PathCoordinates,
+        solver: BorderedNewton,
+        target: PathTarget,
+        closed: bool,
+    ) -> None:
+        self._shell, self._solver, self._target, self._closed = shell, solver, target, closed
+        self._load = coordinates.load
+        self._units = np.array([coordinates.conjugate_unit, coordinates.load_unit])
+        self._motion = dx.node_dofs(shell.space)[1][:, :2].ravel()  # displacements
+        self.points = deque([self._here()], maxlen=3)
+        self._sign = copysign(1.0, self.ahead)
+        self._tangent: Array | None = None  # at the last point, and at the next one
+        self._next: Array | None = None
+        self.finished = False
+
+    @property
+    def ahead(self) -> float:
+        """How far the target is ahead of the last point, along its axis."""
+        return float(self._target.value - self.points[-1].position[self._target.axis])
+
+    def begin(self, direction: Array, step: float) -> None:
+        """Find where the path leads by a very small step; raise PathError if none converges."""
+        start = self.points[-1]
+        for part in _BEGINNINGS:
+            try:
+                self.solve(direction, float(direction @ start.position) + part * step)
+            except EquilibriumError as error:
+                self.reject()
+                problem = error
+            else:
+                self.points.append(self._here(start.length + part * step))
+                return
+        raise PathError(f"no step from here converged: {problem}")
+
+    def predict(self, length: float) -> Array:
+        """Move the shell to where the last points lead; return its DOFs and load."""
+        state = extrapolate([(point.length, point.state) for point in self.points], length)
+        self._set(state)
+        return state
+
+    def solve(self, direction: Array, projection: float) -> int:
+        """Find the equilibrium whose position has a given projection on a direction."""
+        weights = direction / self._units
+        return self._checked(self._solver.solve(projection, (weights[0], weights[1])))
+
+    def solve_along(self, step: float) -> int:
+        """Find the equilibrium in the hyperplane across the path at a distance from the last point.
+
+        The path leads on in the direction in which it came.
+        """
+        last = self.points[-1].state
+        if self._tangent is None:
+            self._tangent = self._find_tangent(self._displacement(last, self.points[-2].state))
+        normal = np.zeros(len(last) - 1)
+        normal[self._motion] = self._tangent[:-1][self._motion]
+        predicted = last + step * self._tangent
+        self._set(predicted)
+        iterations = self._checked(self._solver.solve_in_plane(normal, predicted[:-1], step))
+        self.refuse_jump(predicted, iterations, _STRAY_ALONG)
+        self._next = self._find_tangent(self._displacement(self._here().state, last), iterations)
+        return iterations
+
+    def _find_tangent(self, chord: Array, iterations: int = 0) -> Array:
+        """Return the unit tangent of the path here, in the direction of the last chord."""
+        tangent = self._solver.tangent()
+        motion = tangent[:-1][self._motion]
+        sizes = self._norm(motion), self._norm(chord)
+        cosine = self._shell.comm.allreduce(float(motion @ chord)) / (sizes[0] * sizes[1])
+        if not abs(cosine) > _LEAST_COSINE:
+            raise EquilibriumError("the path turns too sharply for the step", iterations)
+        return tangent * copysign(1 / sizes[0], cosine)
+
+    def refuse_jump(self, predicted: Array, iterations: int, stray: float = _STRAY) -> None:
+        """Raise EquilibriumError if the shell strays from where the path leads, in steps."""
+        missed = self._norm(self._displacement(self._here().state, predicted))
+        if missed > stray * self._norm(
+            self._displacement(self._here().state, self.points[-1].state)
+        ):
+            raise EquilibriumError("only another part of the path was found", iterations)
+
+    def distance_of_last(self) -> float:
+        """Return the size of the largest displacement between the last points, in all nodes."""
+        pairs = pairwise(point.state for point in self.points)
+        return max(self._norm(self._displacement(b, a)) for a, b in pairs)
+
+    def stop_at_target(self, length: float = 0.0) -> int:
+        """Make the shell's state the next point or, beyond the target, the equilibrium there.
+
+        Returns the further Newton iterations.
+        """
+        last, here, iterations = self.points[-1], self._here(length), 0
+        axis, value = self._target.axis, self._target.value
+        if self._sign * (value - here.position[axis]) < _NEAR:
+            part = (value - last.position[axis]) / (here.position[axis] - last.position[axis])
+            predicted = last.state + part * (here.state - last.state)
+            self._set(predicted)
+            iterations = self.solve(np.eye(2)[axis], value)
+            self.refuse_jump(predicted, iterations)
+            self.finished = True
+        self.points.append(self._here(length))
+        self._tangent, self._next = self._next, None
+        return iterations
+
+    def reject(self) -> None:
+        """Return the shell to the last point."""
+        self.finished = False
+        self._set(self.points[-1].state)
+
+    def _here(self, length: float = 0.0) -> _Point:
+        load = float(self._load.value)
+        position = np.array([self._solver.conjugate(), load]) / self._units
+        return _Point(np.append(self._shell.w.x.array, load), position, length)
+
+    def _set(self, state: Array) -> None:
+        self._shell.w.x.array[:], self._load.value = state[:-1], float(state[-1])
+
+    def _checked(self, iterations: int) -> int:
+        if self._closed and self._shell.volume() <= 0:
+            raise EquilibriumError("only a wall that is inside out was found", iterations)
+        return iterations
+
+    def _displacement(self, state: Array, other: Array) -> Array:
+        return (state - other)[self._motion]
+
+    def _norm(self, displacement: Array) -> float:
+        return float(self._shell.comm.allreduce(float(displacement @ displacement)) ** 0.5)

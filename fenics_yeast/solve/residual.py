@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from .. import _dolfinx as dx
+from ..geometry import Array
 from ..mechanics import GrowthState, Shell
 
 _PREFIX = "wall_lu_"  # of the PETSc options of all linear solvers
@@ -64,6 +65,12 @@ class Equations:
             equal = self.shell.comm.allreduce(equal, op=dx.MPI.LAND)
         if not equal:
             self.set_trial(values)
+
+    def with_ghosts(self, values: Any) -> Array:
+        """Return owned values and those of other ranks, like `w`."""
+        self._b[: self.owned] = values
+        self._assembled.x.scatter_forward()
+        return self._b.copy()
 
     def residual(self, values: Any, out: Any) -> None:
         """Compute the residual at values of the owned DOFs; NaN if growth cannot follow."""
