@@ -121,8 +121,9 @@ class Static:
             return limit_force_exceeded(extreme.force_uN)
         if path.control == "pressure":
             ahead = 2 * rows[-1].pressure_MPa - rows[max(0, len(rows) - 2)].pressure_MPa
+            sought = path.until.pressure or ahead
             try:
-                limit = find_limit_pressure(self._shell, ahead, self._tolerance)
+                limit = find_limit_pressure(self._shell, sought, self._tolerance)
             except PathError:
                 limit = None
             if limit is not None:

@@ -165,10 +165,15 @@ class BorderedNewton:
         finally:
             self._plane, self._scale = None, scale
 
-    def tangent(self) -> Array:
-        """Return the changes of the DOFs, like `w`, and of 1 of the load along the path."""
+    def tangent(self) -> tuple[Array, float]:
+        """Return what a change of the load by 1 changes along the path.
+
+        These are the DOFs, like `w`, followed by 1, and the conjugate.
+        """
+        self._weights = (1.0, 0.0)
         self._jacobian(None, None, None, None)
-        return np.append(-self._equations.with_ghosts(self._b.array_r), 1.0)
+        conjugate = -self._row.dot(self._b) / self._scale
+        return np.append(-self._equations.with_ghosts(self._b.array_r), 1.0), float(conjugate)
 
     def _split(self, x: Any) -> tuple[Any, float]:
         """Return the owned DOFs and, on all ranks, the last entry of a bordered vector."""

@@ -11,7 +11,6 @@ incremental/iterative solution procedure that handles "snap-through", Comput. St
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from math import copysign
 from typing import Any, Literal
 
@@ -27,11 +26,12 @@ from .predictor import extrapolate
 Control = Literal["pressure", "volume", "arc-length", "force", "displacement"]
 
 LEAST_STEP = 2.0**-10  # of the first step
+_LEAST_ARC = 2.0**-20
 _LENGTHENING = 1.05  # of steps beyond the number asked for
-_BEGINNINGS = 2.0**-6, 2.0**-9, 2.0**-12  # of the first step, to see where the path leads
+_BEGINNING = 2.0**-6  # of the first step, to see where the path leads
 _NEAR = 1e-7  # of a unit: closer to the target is at the target
-_STRAY = 0.25  # distance from the extrapolated state, in steps: farther is another part of the path
-_STRAY_ALONG = 0.1  # the same from the tangent
+# Distance from the tangent, in steps, that is another part of the path: in general, and in an arc.
+_STRAY, _STRAY_ALONG = 0.15, 0.1
 _LEAST_COSINE = 0.6  # between chord and tangent of an arc
 _MOST_POINTS = 20  # times the number of steps asked for
 _MOST_POINTS_OF_TURNS = 2000  # of a path that turns back
@@ -92,7 +92,7 @@ def follow_path(
     target
         Where the path ends; the last point meets it exactly.
     steps
-        Number of steps to begin with; their size is reduced if Newton's method fails.
+        Number of steps to begin with; they are shorter where the path turns.
     tolerance
         Norm of the residual in µN at which it counts as zero.
     closed
@@ -107,28 +107,30 @@ def follow_path(
         path = _Path(shell, coordinates, solver, target, closed)
         if abs(path.ahead) < _NEAR:
             return
+        step = abs(path.ahead) / steps
+        if control == "arc-length":
+            path.begin(step)
+            yield from _by_displacements(path, step, steps)
+            return
         try:
-            yield from _by_coordinates(path, control, steps)
+            yield from _by_coordinate(path, int(control in ("pressure", "force")), step, steps)
         except PathError:
             if control in ("pressure", "force") or len(path.points) < 2:
                 raise
-            yield from _by_displacements(path, steps)
+            path.forget_tangent()
+            yield from _by_displacements(path, step, steps)
 
 
-def _by_coordinates(path: "_Path", control: Control, steps: int) -> Iterator[int]:
-    """Take steps in a coordinate, or along the path in the plane of both."""
-    step = whole = abs(path.ahead) / steps
-    # Also an arc starts as a step in the conjugate.
-    direction = np.array([copysign(1.0, path.ahead), 0.0])
-    if control in ("pressure", "force"):
-        direction = direction[::-1]
-    path.begin(direction, step)
+def _by_coordinate(path: "_Path", axis: int, whole: float, steps: int) -> Iterator[int]:
+    """Take steps in the conjugate, coordinate 0, or the load, coordinate 1."""
+    step, direction = whole, copysign(1.0, path.ahead) * np.eye(2)[axis]
     for count in range(_MOST_POINTS * steps):
         length, position = path.points[-1].length + step, path.points[-1].position
         try:
-            predicted = path.predict(length)
+            expected = path.expect(direction, step)
+            path.predict(length)
             iterations = path.solve(direction, float(direction @ position) + step)
-            path.refuse_jump(predicted, iterations)
+            path.refuse_jump(expected, iterations)
             iterations += path.stop_at_target(length)
         except EquilibriumError as error:
             path.reject()
@@ -139,20 +141,20 @@ def _by_coordinates(path: "_Path", control: Control, steps: int) -> Iterator[int
         yield iterations
         if path.finished:
             return
-        if control == "arc-length":
-            direction = path.points[-1].position - position
-            direction /= np.hypot(*direction)
         if count > steps:  # the path is longer than the steps asked for
             whole *= _LENGTHENING
         step = min(whole, 1.5 * step)
     raise PathError(f"the target was not reached in {_MOST_POINTS * steps} points")
 
 
-def _by_displacements(path: "_Path", steps: int) -> Iterator[int]:
-    """Take steps of arc length in the displacements, which may pass any turn of the path."""
-    step = path.distance_of_last()
-    least = LEAST_STEP * step
-    for _ in range(max(_MOST_POINTS * steps, _MOST_POINTS_OF_TURNS)):
+def _by_displacements(path: "_Path", whole: float, steps: int) -> Iterator[int]:
+    """Take steps of arc length in the displacements, which may pass any turn of the path.
+
+    Their size keeps to a length in the plane of the coordinates, or is less.
+    """
+    step = whole * path.displacement_by_length()
+    least = _LEAST_ARC * step
+    for count in range(max(_MOST_POINTS * steps, _MOST_POINTS_OF_TURNS)):
         try:
             iterations = path.solve_along(step) + path.stop_at_target()
         except EquilibriumError as error:
@@ -164,7 +166,9 @@ def _by_displacements(path: "_Path", steps: int) -> Iterator[int]:
         yield iterations
         if path.finished:
             return
-        step *= 1.5
+        if count > steps:
+            whole *= _LENGTHENING
+        step = min(whole * path.displacement_by_length(), 1.5 * step)
     raise PathError("the target was not reached by arc length")
 
 
@@ -203,25 +207,40 @@ class _Path:
         """How far the target is ahead of the last point, along its axis."""
         return float(self._target.value - self.points[-1].position[self._target.axis])
 
-    def begin(self, direction: Array, step: float) -> None:
-        """Find where the path leads by a very small step; raise PathError if none converges."""
-        start = self.points[-1]
-        for part in _BEGINNINGS:
-            try:
-                self.solve(direction, float(direction @ start.position) + part * step)
-            except EquilibriumError as error:
-                self.reject()
-                problem = error
-            else:
-                self.points.append(self._here(start.length + part * step))
-                return
-        raise PathError(f"no step from here converged: {problem}")
+    def begin(self, step: float) -> None:
+        """Make a very small step in the conjugate, which shows where the path leads.
 
-    def predict(self, length: float) -> Array:
-        """Move the shell to where the last points lead; return its DOFs and load."""
-        state = extrapolate([(point.length, point.state) for point in self.points], length)
-        self._set(state)
-        return state
+        Raises
+        ------
+        PathError
+            If there is no equilibrium.
+        """
+        start, direction = self.points[-1], np.array([self._sign, 0.0])
+        part = _BEGINNING * step
+        try:
+            self.solve(direction, float(direction @ start.position) + part)
+        except EquilibriumError as error:
+            self.reject()
+            raise PathError(f"no step from here converged: {error}") from error
+        self.points.append(self._here(start.length + part))
+
+    def expect(self, direction: Array, step: float) -> Array | None:
+        """Return where a step leads to first order; None for a wall at rest that is no shell.
+
+        A flat membrane has no stiffness at rest.
+        """
+        last = self.points[-1]
+        if len(self.points) == 1 and not self._shell.bending:
+            return None
+        if self._tangent is None:
+            self._tangent, change = self._solver.tangent()
+            by_load = float(direction @ (np.array([change, 1.0]) / self._units))
+            self._tangent /= by_load
+        return last.state + step * self._tangent
+
+    def predict(self, length: float) -> None:
+        """Move the shell to where the last points lead."""
+        self._set(extrapolate([(point.length, point.state) for point in self.points], length))
 
     def solve(self, direction: Array, projection: float) -> int:
         """Find the equilibrium whose position has a given projection on a direction."""
@@ -247,26 +266,32 @@ class _Path:
 
     def _find_tangent(self, chord: Array, iterations: int = 0) -> Array:
         """Return the unit tangent of the path here, in the direction of the last chord."""
-        tangent = self._solver.tangent()
+        tangent, _ = self._solver.tangent()
         motion = tangent[:-1][self._motion]
         sizes = self._norm(motion), self._norm(chord)
-        cosine = self._shell.comm.allreduce(float(motion @ chord)) / (sizes[0] * sizes[1])
+        cosine = self._dot(motion, chord) / (sizes[0] * sizes[1])
         if not abs(cosine) > _LEAST_COSINE:
             raise EquilibriumError("the path turns too sharply for the step", iterations)
         return tangent * copysign(1 / sizes[0], cosine)
 
-    def refuse_jump(self, predicted: Array, iterations: int, stray: float = _STRAY) -> None:
+    def refuse_jump(self, expected: Array | None, iterations: int, stray: float = _STRAY) -> None:
         """Raise EquilibriumError if the shell strays from where the path leads, in steps."""
-        missed = self._norm(self._displacement(self._here().state, predicted))
-        if missed > stray * self._norm(
-            self._displacement(self._here().state, self.points[-1].state)
-        ):
+        if expected is None:
+            return
+        last = self.points[-1].state
+        moved = self._displacement(self._here().state, last)
+        along = self._displacement(expected, last)
+        part = self._dot(moved, along) / self._dot(along, along)
+        missed = self._norm(moved - part * along)
+        # A wall that stiffens moves less than expected.
+        if not 0 < part < 1 + stray or missed > stray * self._norm(moved):
             raise EquilibriumError("only another part of the path was found", iterations)
 
-    def distance_of_last(self) -> float:
-        """Return the size of the largest displacement between the last points, in all nodes."""
-        pairs = pairwise(point.state for point in self.points)
-        return max(self._norm(self._displacement(b, a)) for a, b in pairs)
+    def displacement_by_length(self) -> float:
+        """Return displacement, in all nodes, over length in the plane between the last points."""
+        last, before = self.points[-1], self.points[-2]
+        length = float(np.hypot(*(last.position - before.position)))
+        return self._norm(self._displacement(last.state, before.state)) / max(length, _NEAR)
 
     def stop_at_target(self, length: float = 0.0) -> int:
         """Make the shell's state the next point or, beyond the target, the equilibrium there.
@@ -286,9 +311,13 @@ class _Path:
         self._tangent, self._next = self._next, None
         return iterations
 
+    def forget_tangent(self) -> None:
+        """Forget the tangent, whose length is that of steps in a coordinate."""
+        self._tangent = None
+
     def reject(self) -> None:
         """Return the shell to the last point."""
-        self.finished = False
+        self.finished, self._next = False, None
         self._set(self.points[-1].state)
 
     def _here(self, length: float = 0.0) -> _Point:
@@ -307,5 +336,8 @@ class _Path:
     def _displacement(self, state: Array, other: Array) -> Array:
         return (state - other)[self._motion]
 
+    def _dot(self, a: Array, b: Array) -> float:
+        return float(self._shell.comm.allreduce(float(a @ b)))
+
     def _norm(self, displacement: Array) -> float:
-        return float(self._shell.comm.allreduce(float(displacement @ displacement)) ** 0.5)
+        return self._dot(displacement, displacement) ** 0.5
