@@ -21,7 +21,7 @@ EDGE = R * np.pi * (1 - 24 / 180)  # arc length at the edge of the growing zone,
 
 BUD = Scene.load(Path(__file__).parent / "scenes" / "bud.toml").with_values(
     {
-        "numerics": {"preset": "default", "thickness_points": 3},
+        "numerics": {"preset": "default", "tolerance": 1e-4, "thickness_points": 3},
         "turgor.ramp": 0,
         "run": {"end": 80},
     }

@@ -54,6 +54,8 @@ class Lines:
             if result.error_bars.message:
                 print_line(result.error_bars.message)
         print_line(f"{result.status}, see {place}")
+        for warning in result.warnings:
+            print_line(f"warning: {warning}")
 
 
 class ProgressLine:
@@ -147,6 +149,8 @@ class ProgressLine:
             if result.error_bars.message:
                 self._console.print(result.error_bars.message)
         self._console.print(f"{result.status}, see {place}")
+        for warning in result.warnings:
+            self._console.print(f"warning: {warning}")
 
 
 _HEADINGS = ("time (min)", "time steps", "mesh", "through thickness", "shear penalty", "total")

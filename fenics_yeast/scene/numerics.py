@@ -19,7 +19,7 @@ Integrator = Literal["forward-euler", "backward-euler", "sdirk2", "sdirk3"]
 class Preset:
     """Values of the keys of `Numerics` that a scene omits; by default those of "default".
 
-    Of these, elements, thickness points and shear penalty are those of a bud, for the default
+    Of these, elements, integration points and shear penalty are those of a bud, for the default
     tolerance; `precision.choose_numerics` chooses them for another scene.
     """
 

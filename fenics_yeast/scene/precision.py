@@ -1,4 +1,4 @@
-"""What a tolerance of V/V0 asks of mesh, thickness points and shear penalty.
+"""What a tolerance of V/V0 asks of mesh, integration points and shear penalty.
 
 The constants bound errors measured on growing buds, thick and thin, up to bursting (docs/cost.md).
 """
@@ -30,7 +30,7 @@ class Shares(NamedTuple):
 SHARES = Shares()
 
 _FEWEST_ELEMENTS = 10
-_SMOOTH_POINTS = 3  # thickness points, exact for what varies smoothly through the wall
+_SMOOTH_POINTS = 3  # integration points, exact for what varies smoothly through the wall
 _MOST_POINTS = 16  # more would take minutes to compile
 _FAINT = 0.05  # weight of growth too small for a kink
 _BY_POINTS = 0.058  # error times n², by a kink where stress crosses the threshold within the wall
@@ -110,7 +110,7 @@ def choose_numerics(numerics: Numerics, meridian: Meridian) -> Numerics:
 
 
 def estimate_errors(numerics: Numerics, meridian: Meridian) -> dict[str, float]:
-    """Return relative errors of V/V0 by mesh, thickness points and shear penalty.
+    """Return relative errors of V/V0 by mesh, integration points and shear penalty.
 
     They are estimated before a run, for growth that is far from bursting.
     """

@@ -16,8 +16,8 @@ _REMEDIES = {
 def estimate_error(scene: Scene, step_error: float, speed: float) -> ErrorEstimate:
     """Return the estimated relative error of V/V0 at the saved times.
 
-    Mesh, thickness points and shear penalty have errors known from growing buds. Like those of the
-    steps, they are shifts in time: towards bursting they grow with the speed of the cell.
+    Mesh, integration points and shear penalty have errors known from growing buds. Like those of
+    the steps, they are shifts in time: towards bursting they grow with the speed of the cell.
 
     Parameters
     ----------

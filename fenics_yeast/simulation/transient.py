@@ -92,6 +92,7 @@ class Transient:
     def run(self) -> Generator[Row, None, Outcome]:
         """Run to the end, or to what ends the run; yield the row of each accepted state."""
         recorder, controller = self._recorder, self._controller
+        patience = 1 if self._scene.numerics.step is None else _FAILURES
         if self.checkpoint is None:
             if (lost := self._load()) is not None:
                 return lost
@@ -116,7 +117,7 @@ class Transient:
                 problem, iterations = None, step.iterations
             recorder.reject(iterations)
             controller.failed()
-            if problem is None or controller.failures >= self._patience or controller.exhausted:
+            if problem is None or controller.failures >= patience or controller.exhausted:
                 lost = yield from self._find_limit(end)
                 if lost is not None:
                     return lost
@@ -194,8 +195,7 @@ class Transient:
 
     def _find_kinks(self) -> list[float]:
         """Return the times in min at which the pressure's slope changes, or growth switches."""
-        pressure, run = self._scene.turgor.pressure, self._scene.run
-        end = 0.0 if run is None else run.end
+        pressure, end = self._scene.turgor.pressure, self._scene.run.end if self._scene.run else 0.0
         times = pressure.time if isinstance(pressure, PressureTable) else ()
         inside = (t for t in (*times, *self._switches) if 0 < t < end)
         return sorted([min(self._scene.turgor.ramp, end), *inside])
@@ -253,11 +253,6 @@ class Transient:
         saved = self._scene.run is not None and _among(end, self._scene.run.save)
         self._errors.accept(error, volume, change, end - start, smooth=smooth, saved=saved)
         return True
-
-    @property
-    def _patience(self) -> int:
-        """Failed steps in a row after which a limit point is looked for."""
-        return _FAILURES if self._scene.numerics.step is not None else 1
 
     # --- ends -----------------------------------------------------------------------------
 

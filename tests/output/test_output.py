@@ -76,7 +76,8 @@ def test_files_are_those_of_the_contract(tmp_path: Path, scene: Scene) -> None:
 
     summary = json.loads((folder.path / "run.json").read_text())
     keys = (
-        "status end_time_min message versions dofs steps rejected_steps newton_iterations timings"
+        "status end_time_min message versions dofs steps rejected_steps newton_iterations timings "
+        "error_estimate warnings"
     )
     assert list(summary) == keys.split()
     assert summary["status"] == "no-equilibrium"
