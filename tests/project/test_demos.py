@@ -55,10 +55,13 @@ def balloon(text: str) -> None:
 
 
 def own_law(text: str) -> None:
-    """The paper's laws and a user-defined one; a wall that stiffens keeps its equilibrium."""
+    """The paper's laws and a user-defined one; a wall that stiffens keeps its equilibrium.
+
+    The first is 1.35238 of other programs with 9 points, less 2.6e-4 by the ramp of the turgor.
+    """
     found = re.findall(r"^(.*): V/V0 = (.*) at (.*) min, (\S+) \((\d+) steps\)$", text, re.M)
     runs = {name: (float(ratio), float(time), status) for name, ratio, time, status, _ in found}
-    assert runs["Ogden, driven by stress"] == (pytest.approx(1.35354, abs=3e-4), 90, "finished")
+    assert runs["Ogden, driven by stress"] == (pytest.approx(1.35212, abs=3e-4), 90, "finished")
     assert runs["Ogden, driven by strain"][2] == "no-equilibrium"
     for kind in ("stress", "strain"):
         ratio, time, status = runs[f"Fung, driven by {kind}"]
