@@ -32,9 +32,9 @@ try:
     from petsc4py import PETSc as PETSc
 except ImportError as error:
     raise ImportError(
-        f"dolfinx cannot be imported ({error}); on Debian: sudo apt install python3-dolfinx, "
-        "then use /usr/bin/python3 or a virtual environment of it with --system-site-packages; "
-        "elsewhere, with Python 3.12 or later: pip install dolfinx-solver-real"
+        f"dolfinx cannot be imported ({error}); on Debian run: sudo apt install python3-dolfinx; "
+        "then use /usr/bin/python3, or a virtual environment of it with --system-site-packages; "
+        "elsewhere, with Python 3.12 or later, run: pip install dolfinx-solver-real"
     ) from error
 
 try:

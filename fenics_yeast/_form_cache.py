@@ -27,8 +27,9 @@ class CompilerError(RuntimeError):
 @cache
 def folder() -> Path:
     """Return the directory for this Python and machine, or a temporary one if it is unusable."""
+    directory = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
     try:
-        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        base = Path(directory).expanduser()
         place = Path(base, "fenics-yeast", f"forms-{sysconfig.get_config_var('SOABI')}").absolute()
         place.mkdir(parents=True, exist_ok=True)
         if place.stat().st_uid != os.geteuid():  # code is loaded from it
@@ -39,8 +40,8 @@ def folder() -> Path:
         problem = getattr(error, "strerror", None) or str(error)
     place = temporary("forms")
     print(
-        "warning: compiled forms are kept only for this run, because the cache directory cannot "
-        f"be used ({problem}); set XDG_CACHE_HOME to another",
+        f"warning: the cache of compiled forms, {directory}, cannot be used ({problem}): "
+        "each run compiles its forms again; set XDG_CACHE_HOME to a directory that can be written",
         file=sys.stderr,
     )
     return place

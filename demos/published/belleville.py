@@ -39,7 +39,7 @@ SCENE = Scene.from_toml(
     f"""
 title = "Belleville spring"
 cell = {{ shape = "cone", outer_diameter = {2 * OUTER}, inner_diameter = {2 * INNER},
-    height = {RISE}, edge = "axial" }}
+    height = {RISE}, edge = "sliding" }}
 wall = {{ law = "linear", thickness = {T}, young_modulus = {YOUNG}, poisson_ratio = {POISSON} }}
 turgor = {{ pressure = 0 }}
 load = {{ ring_force = 0 }}

@@ -34,8 +34,8 @@ def abandon(message: str) -> NoReturn:
     comm = launched()
     if comm is not None:
         typer.echo(f"error: {message}", err=True)
-        comm.Abort(FAILED)
-    fail(message, FAILED)
+        comm.Abort(BROKEN)
+    fail(message, BROKEN)
 
 
 def launched() -> Any:

@@ -118,9 +118,14 @@ def _try_out() -> tuple[dict[str, Any] | None, str]:
                 timeout=_PATIENCE, check=False,
             )  # fmt: skip
         except subprocess.TimeoutExpired:
-            return None, f"compiling a form took longer than {_PATIENCE} s"
+            return (
+                None,
+                f"compiling a form takes more than {_PATIENCE} s; try again on an idle machine",
+            )
     if done.returncode == 0:
         return json.loads(done.stdout.splitlines()[-1]), ""
-    lines = done.stderr.strip().splitlines() or [f"its process ended with status {done.returncode}"]
+    lines = done.stderr.strip().splitlines() or [
+        f"importing it ended the process with status {done.returncode}; reinstall dolfinx"
+    ]
     last = lines[-1].partition(": ")
     return None, last[2] or last[0]

@@ -108,8 +108,8 @@ def run(
     """Run a simulation.
 
     Writes history, saved profiles, figures and a summary to the output directory. Exit status:
-    0 finished; 1 dolfinx or C compiler missing; 2 invalid input; 3 no equilibrium
-    or growth without bound; 4 solver failure; 130 interrupted.
+    0 finished; 1 dolfinx or C compiler missing, or disk full; 2 invalid input;
+    3 no equilibrium or growth without bound; 4 solver failure; 130 interrupted.
     """
     try:
         scene = _load(scene_file, assignments)
@@ -122,7 +122,9 @@ def run(
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     if result.status != "finished":
-        fail(result.message, EXIT_STATUS[result.status])
+        resumable = result.status == "interrupted" and scene.run is not None
+        advice = "; rerun with --resume to continue" if resumable else ""
+        fail(result.message + advice, EXIT_STATUS[result.status])
 
 
 def _run(path: Path, scene: Scene, resume: bool, error_bars: bool, quiet: bool) -> Result:
@@ -144,7 +146,7 @@ def _run(path: Path, scene: Scene, resume: bool, error_bars: bool, quiet: bool) 
     except DolfinxMissing as error:
         fail(str(error), BROKEN)
     except RunLost as error:
-        fail(str(error), FAILED) if error.everywhere else abandon(str(error))
+        fail(str(error), BROKEN) if error.everywhere else abandon(str(error))
     comm = launched()
     if screen is not None and (comm is None or comm.rank == 0):
         screen.summary(result, str(path))
@@ -198,7 +200,10 @@ def sweep(
     except SceneError as error:
         fail(str(error), BAD_INPUT)
     if jobs is not None and launched() is not None:
-        fail("omit --jobs under mpirun, where the ranks share the cases", BAD_INPUT)
+        fail(
+            "--jobs cannot be used under mpirun, where the ranks share the cases; omit it",
+            BAD_INPUT,
+        )
     directory = Path("out", f"{scene.name}-sweep") if out is None else out
     keys = [parameter.key for parameter in parameters]
     try:
@@ -207,7 +212,8 @@ def sweep(
     except KeyboardInterrupt:
         fail("interrupted; rerun the same command to continue", INTERRUPTED)
     if failed := [row for row in rows if not row.answered]:
-        fail(f"{len(failed)} of {len(rows)} cases failed; the first is {failed[0].case}", FAILED)
+        counts = f"{len(failed)} of {len(rows)} cases failed"
+        fail(f"{counts}, first {failed[0].case}; see sweep.csv", FAILED)
 
 
 def _sweep(
@@ -270,7 +276,7 @@ def plot(
     """
     from ..figures import AnimationError
     from ..output import OutputError, writing
-    from .redraw import draw_folder
+    from .redraw import draw_folder, nothing_drawn
 
     try:
         with writing(directory):
@@ -282,7 +288,7 @@ def plot(
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     if not drawn:
-        fail(f"{directory}: nothing to plot yet; wait for the first saved time", BAD_INPUT)
+        fail(f"{directory}: {nothing_drawn(directory)}", BAD_INPUT)
     for path in drawn:
         typer.echo(path)
 
@@ -333,7 +339,7 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
     """Return a screen that suits the output, a terminal or a file."""
     from .terminal import Lines, ProgressLine
 
-    return ProgressLine(scene) if on_terminal() else Lines()
+    return ProgressLine(scene) if on_terminal() else Lines(scene)
 
 
 def main() -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..figures import draw, write_surfaces
 from ..output import FIGURES, read_history, read_profiles, read_scene, read_summary
-from ..studies import TABLE, draw_sweep
+from ..studies import TABLE, draw_sweep, read_table
 from .exits import on_terminal
 
 
@@ -37,7 +37,9 @@ def draw_folder(directory: Path, *, pdf: bool = False, moving: bool = False) -> 
         if moving:
             from ..figures import AnimationError
 
-            raise AnimationError(f"{directory}: a sweep; to animate, name the directory of a case")
+            raise AnimationError(
+                f"{directory}: contains a sweep; to animate a case, name its directory"
+            )
         return [path for suffix in suffixes for path in draw_sweep(directory, suffix)]
     scene, summary = read_scene(directory), read_summary(directory)
     profiles = read_profiles(directory)  # before the history, which is ahead of them
@@ -55,3 +57,12 @@ def draw_folder(directory: Path, *, pdf: bool = False, moving: bool = False) -> 
         end = float(history.time_min.max(initial=0.0))
         made += animate(directory, scene, end, progress=on_terminal())
     return made
+
+
+def nothing_drawn(directory: Path) -> str:
+    """Return why a run or sweep has no figure yet."""
+    if not (directory / TABLE).exists():
+        return "nothing to plot yet; wait for the first saved time"
+    if len(read_table(directory)[0]) > 2:
+        return f"a sweep of more than two parameters has no figure; see {TABLE}"
+    return "nothing to plot yet; wait for the first case to end"

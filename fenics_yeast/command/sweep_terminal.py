@@ -29,7 +29,7 @@ class SweepLines:
         """Show how many cases are finished."""
         self._cases, self._ended = cases, len(skipped)
         if skipped:
-            self._print(f"{len(skipped)} of {cases} cases are already finished")
+            self._print(f"{len(skipped)} of {cases} cases have already ended; skipping them")
 
     def ended(self, row: CaseRow) -> None:
         """Print the line of a case."""
@@ -107,4 +107,6 @@ def describe(keys: Sequence[str], row: CaseRow) -> str:
 def tally(rows: Sequence[CaseRow]) -> str:
     """Return the numbers of cases by status."""
     counts = Counter(row.status for row in rows)
-    return f"{len(rows)} cases: " + ", ".join(f"{n} {status}" for status, n in counts.items())
+    return f"{len(rows)} case{'s' * (len(rows) != 1)}: " + ", ".join(
+        f"{n} {status}" for status, n in counts.items()
+    )

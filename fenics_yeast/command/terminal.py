@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 class Lines:
     """A plain line for each saved time."""
 
-    def __init__(self) -> None:
+    def __init__(self, scene: Scene) -> None:
+        self._in_time = scene.run is not None
         self._row: Row | None = None
 
     def __enter__(self) -> Self:
@@ -33,7 +34,8 @@ class Lines:
     def saved(self, profile: Profile) -> None:
         """Print the line."""
         if self._row is not None:
-            print_line(f"{profile.time:g} min: V/V0 = {self._row.volume_ratio:.6f}")
+            when = f"{profile.time:g} min: " if self._in_time else ""
+            print_line(f"{when}V/V0 = {self._row.volume_ratio:.6f}")
 
     def resumed(self, row: Row, rows: int) -> None:
         """Print where the run resumes."""
@@ -53,7 +55,7 @@ class Lines:
                 print_line("  ".join(f"{cell:>16}" for cell in cells))
             if result.error_bars.message:
                 print_line(result.error_bars.message)
-        print_line(f"{result.status}, see {place}")
+        print_line(_ending(result, place))
         for warning in result.warnings:
             print_line(f"warning: {warning}")
 
@@ -148,12 +150,18 @@ class ProgressLine:
             self._console.print(table)
             if result.error_bars.message:
                 self._console.print(result.error_bars.message)
-        self._console.print(f"{result.status}, see {place}")
+        self._console.print(_ending(result, place))
         for warning in result.warnings:
             self._console.print(f"warning: {warning}")
 
 
-_HEADINGS = ("time (min)", "time steps", "mesh", "through thickness", "shear penalty", "total")
+_HEADINGS = ("time (min)", "time steps", "mesh", "integration points", "shear penalty", "total")
+
+
+def _ending(result: Result, place: str) -> str:
+    """Return how a run ended; the command itself prints the message of one that ended early."""
+    message = f": {result.message}" if result.status == "finished" else ""
+    return f"{result.status}{message}; see {place}"
 
 
 def _resumed(row: Row, rows: int) -> str:

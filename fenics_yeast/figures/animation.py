@@ -69,7 +69,9 @@ def animate(
     from .gif import GifWriter
 
     if scene.run is None or end <= 0:
-        raise AnimationError(f"{directory}: cannot be animated; only a run in time can")
+        raise AnimationError(
+            f"{directory}: cannot be animated; requires a run in time (a table [run])"
+        )
     times = np.linspace(0.0, end, frames).tolist()
     result = simulate(scene.with_values({"run.end": end, "run.save": times}), comm=MPI.COMM_SELF)
     if len(result.profiles) < 2:
@@ -112,7 +114,9 @@ def _save(
             moving.save(temporary, writer, dpi=_DPI, progress_callback=lambda *_: bar.advance(task))
         except CalledProcessError as error:
             temporary.unlink(missing_ok=True)
-            raise AnimationError(f"{path}: {writer.__class__.__name__} failed: {error}") from None
+            raise AnimationError(
+                f"{path}: cannot be written: ffmpeg failed ({error}); the GIF is complete"
+            ) from None
     temporary.replace(path)
 
 

@@ -50,7 +50,7 @@ def meridian(profiles: Profiles, scene: Scene, path: Path) -> None:
         for axes in panels:
             axes.grid(True)
             _mark_zones(axes, profiles)
-        panels[-1].set_xlabel("arc length of the unloaded meridian from the bottom (µm)")
+        panels[-1].set_xlabel("arc length from the bottom of the unloaded meridian (µm)")
         lines = [Line2D([], [], color=colour) for colour in colours]
         labels = [f"{profile.time:.4g} min" for profile in drawn]
         if scene.run is None:

@@ -51,7 +51,7 @@ def _write(path: Path, profile: Profile, zones: Sequence[Intervals], scene: Scen
         "Cauchy stress, hoop (MPa)": stress[:, 1],
     }
     if thresholds := [growth.threshold for growth in scene.growing]:
-        fields["stress over threshold"] = wall_fields.stress_ratio(profile, zones, thresholds)
+        fields["stress / threshold"] = wall_fields.stress_ratio(profile, zones, thresholds)
     surface = meshio.Mesh(
         points.astype(np.float32),
         [("triangle", np.concatenate(triangles))],

@@ -61,8 +61,9 @@ class Shell:
         Space of the state; the trial state `(u_r, u_z, β, Q)`, `(u_r, u_z)` of a membrane.
     pressure, force
         Turgor in MPa, a constant of the forms; axial force at a node, or None.
-    bending, membrane_stiffness
-        Whether the wall resists bending; the size of `E h` in µN/µm.
+    bending, thickness, membrane_stiffness
+        Whether the wall resists bending; its thickness in µm and the size of `E h` in µN/µm,
+        both outside the zones of the wall.
     reference_volume
         Volume in µm³ that ratios refer to: that of the unloaded cell or, if that is zero, of
         a hemisphere on the edge.
@@ -87,6 +88,7 @@ class Shell:
         self.mesh, self.comm = reference.mesh, reference.mesh.comm
         self.points, self.growing_points = reference.points, reference.growing_points
         self.bending, h = wall.bending, wall.thickness
+        self.thickness = h
         self.membrane_stiffness = 3 * wall.shear_modulus * h
         space = dx.shell_space if wall.bending else dx.membrane_space
         self.space = space(self.mesh, approximation.order)

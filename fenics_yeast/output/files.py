@@ -23,7 +23,7 @@ def writing(directory: Path) -> Iterator[None]:
     try:
         yield
     except (FileExistsError, NotADirectoryError):
-        problem = "is a file, or lies below one"
+        problem = "must be a directory, but it or a directory above it is a file"
     except OSError as error:
         problem = f"cannot be written: {error.strerror or error}"
         if error.errno in (errno.ENOSPC, errno.EDQUOT):

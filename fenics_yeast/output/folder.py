@@ -147,7 +147,8 @@ class OutputFolder:
         found = [name for name in (SCENE, HISTORY, PROFILES, RUN) if (self.path / name).exists()]
         if found and (SCENE not in found or len(found) == 1):
             raise OutputError(
-                f"{self.path}: its {found[0]} is not from a run; choose another directory"
+                f"{self.path}: contains a {found[0]} that is not from a run; "
+                "choose another directory with --out"
             )
         self.path.mkdir(parents=True, exist_ok=True)
         for name in (CHECKPOINT, PROFILES):  # the checkpoint first: it requires the others

@@ -142,7 +142,7 @@ class Job:
     def note_ended(self) -> None:
         """Show that nothing remains to be added to an earlier run."""
         if self._screen is not None and self.ended is not None:
-            self._screen.note(f"{self.path}: already complete: {self.ended.message}")
+            self._screen.note(f"{self.path}: already complete; {self.ended.message}")
 
     def run(self) -> Result:
         """Simulate; write all but figures.

@@ -12,7 +12,12 @@ from .files import HISTORY, PROFILES, RUN, SCENE
 from .folder import column_type
 from .summary import read_summary
 
-_OTHER = "not the output directory of a run"
+
+def _no(directory: Path, name: str) -> OutputError:
+    """Return the error about a missing file of a run."""
+    if not directory.exists():
+        return OutputError(f"{directory}: no such directory")
+    return OutputError(f"{directory}: no {name}; not the output directory of a run")
 
 
 def read_scene(directory: Path) -> Scene:
@@ -26,7 +31,7 @@ def read_scene(directory: Path) -> Scene:
         If it cannot be read.
     """
     if not (directory / SCENE).is_file():
-        raise OutputError(f"{directory}: no {SCENE}; {_OTHER}")
+        raise _no(directory, SCENE)
     return Scene.load(directory / SCENE)
 
 
@@ -41,8 +46,12 @@ def read_history(directory: Path) -> History:
     path = directory / HISTORY
     try:
         lines = path.read_text(encoding="utf-8").split("\n")[:-1]
-    except (OSError, UnicodeDecodeError):
-        raise OutputError(f"{directory}: no {HISTORY}; {_OTHER}") from None
+    except FileNotFoundError:
+        raise _no(directory, HISTORY) from None
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise OutputError(f"{path}: damaged; rerun the scene") from None
     columns = lines[0].split(",") if lines else []
     if missing := [name for name in COLUMNS if name not in columns]:
         raise OutputError(f"{path}: column {missing[0]} is missing; rerun the scene")

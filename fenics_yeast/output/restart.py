@@ -7,7 +7,7 @@ from ..scene import Run, Scene, SceneError, flatten
 from ..simulation import ANSWERS, Checkpoint, CheckpointError, Result, ResumePoint
 from ..solve import same_time
 from .errors import OutputError
-from .files import CHECKPOINT
+from .files import CHECKPOINT, HISTORY, PROFILES
 from .reading import read_history, read_profiles, read_result, read_scene
 from .summary import read_summary
 
@@ -54,7 +54,8 @@ def find_earlier_run(directory: Path, scene: Scene) -> EarlierRun:
         raise OutputError(problem) from None
     if (difference := _difference(earlier, scene)) is not None:
         raise OutputError(
-            f"{directory}: has a run of another scene ({difference}); choose another directory"
+            f"{directory}: contains a run of a different scene ({difference}); "
+            "choose another output directory with --out, or omit --resume to replace it"
         )
     summary = read_summary(directory)
     answered = summary is not None and summary.status in ANSWERS
@@ -94,12 +95,12 @@ def _start(directory: Path, checkpoint: Checkpoint) -> ResumePoint:
     profiles = read_profiles(directory).all[: recorder.profiles]
     missing = None
     if len(rows) < recorder.rows or rows[-1].time_min != checkpoint.stepper.time:
-        missing = f"row {recorder.rows} of the history"
+        missing = f"row {recorder.rows} of {HISTORY}"
     elif len(profiles) < recorder.profiles:
-        missing = f"profile {recorder.profiles}"
+        missing = f"profile {recorder.profiles} of {PROFILES}"
     if missing is not None:
         raise OutputError(
-            f"{directory}: {missing} is missing, which the checkpoint needs; {FROM_START}"
+            f"{directory}: cannot resume: {missing} is missing or was changed; {FROM_START}"
         )
     return ResumePoint(checkpoint, tuple(rows), tuple(profiles))
 
@@ -112,7 +113,7 @@ def _agree(directory: Path, start: ResumePoint, run: Run) -> None:
     for saved in run.save:
         passed = saved < time or same_time(saved, time)
         if passed and not any(same_time(profile.time, saved) for profile in start.profiles):
-            problem = problem or f"{saved:g} min was added to run.save too late"
+            problem = problem or f"{saved:g} min of run.save has passed without a profile"
     if problem is not None:
         raise OutputError(f"{directory}: cannot resume: {problem}; {FROM_START}")
 
@@ -121,7 +122,7 @@ def _difference(earlier: Scene, scene: Scene) -> str | None:
     """Return the first value in which two scenes differ, except title and table `run`."""
     old, new = flatten(earlier), flatten(scene)
     if (earlier.run is None) != (scene.run is None):
-        return "with a table [run]" if scene.run is None else "without a table [run]"
+        return f"[run] was {'missing' if earlier.run is None else 'present'}"
     for key in {**old, **new}:
         if key == "title" or key.startswith("run."):
             continue
@@ -129,5 +130,5 @@ def _difference(earlier: Scene, scene: Scene) -> str | None:
             was, now = (
                 "none" if (value := values.get(key)) is None else value for values in (old, new)
             )
-            return f"{key} = {was}, not {now}"
+            return f"{key} was {was}, is now {now}"
     return None

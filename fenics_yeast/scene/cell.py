@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from ..geometry import (
@@ -31,9 +39,21 @@ from .units import LENGTH, Angle, Length
 _SLENDEREST = 1000.0  # length of a capsule over its diameter
 _SHAPE: Any = Field(description="shape of the mid-surface")
 _EDGE = (
-    "constrained: clamped (displacement and rotation), hinged (displacement), roller (axial "
-    "displacement and rotation) or axial (axial displacement)"
+    "constrained: clamped (displacement and rotation), hinged (displacement), guided (axial "
+    "displacement and rotation) or sliding (axial displacement)"
 )
+_RENAMED = {"roller": "guided", "axial": "sliding"}  # in other programs, a roller is our sliding
+
+
+def _not_renamed(edge: object) -> object:
+    if isinstance(edge, str) and edge in _RENAMED:
+        must = f'write "{_RENAMED[edge]}"; "guided" and "sliding" were called "roller" and "axial"'
+        raise refusal(must, reason="this name is no longer used")
+    return edge
+
+
+_Edge = Annotated[Edge, BeforeValidator(_not_renamed)]
+_InnerEdge = Annotated[Literal[Edge, "free"], BeforeValidator(_not_renamed)]
 
 
 class _Shape(Table):
@@ -135,10 +155,13 @@ class ProfileCell(_Shape):
 
     shape: Literal["profile"] = _SHAPE
     file: str | None = Field(
-        default=None, description="table with the columns r, z (µm), beside the scene; read once"
+        default=None,
+        description="CSV file with the columns r and z (µm), beside the scene; read once",
     )
     tolerance: Length = Field(
-        default=0.02, ge=0, description="root mean square distance of points and curve (µm)"
+        default=0.02,
+        ge=0,
+        description="root mean square distance between points and smoothed curve (µm)",
     )
     r: ListOf[Length] = Field(
         default=(), description="distances of the points from the axis, instead of a file (µm)"
@@ -199,7 +222,7 @@ class CapCell(_Shape):
     shape: Literal["cap"] = _SHAPE
     radius: Length = Field(gt=0, description="radius of the sphere (µm)")
     half_angle: Angle = Field(gt=0, lt=180, description="polar angle of the edge (degrees)")
-    edge: Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
+    edge: _Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
 
     @property
     def least_radius(self) -> float:
@@ -219,7 +242,7 @@ class DiscCell(_Round):
 
     poles: ClassVar[tuple[Pole, ...]] = ("top",)
     shape: Literal["disc"] = _SHAPE
-    edge: Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
+    edge: _Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
 
     @property
     def ends(self) -> tuple[End, End]:
@@ -238,8 +261,8 @@ class ConeCell(_Shape):
     outer_diameter: Length = Field(gt=0, description="diameter of the lower edge (µm)")
     inner_diameter: Length = Field(gt=0, description="diameter of the upper edge (µm)")
     height: Length = Field(ge=0, description="height of the upper above the lower edge (µm)")
-    edge: Edge = Field(default="clamped", description=f"how the outer edge is {_EDGE}")
-    inner_edge: Literal[Edge, "free"] = Field(
+    edge: _Edge = Field(default="clamped", description=f"how the outer edge is {_EDGE}")
+    inner_edge: _InnerEdge = Field(
         default="free", description="how the inner edge is constrained: free, or as for edge"
     )
 
@@ -274,7 +297,7 @@ class CylinderCell(_Round):
     poles: ClassVar[tuple[Pole, ...]] = ()
     shape: Literal["cylinder"] = _SHAPE
     length: Length = Field(gt=0, description="distance between the edges (µm)")
-    edge: Edge = Field(default="clamped", description=f"how both edges are {_EDGE}")
+    edge: _Edge = Field(default="clamped", description=f"how both edges are {_EDGE}")
 
     @property
     def ends(self) -> tuple[End, End]:

@@ -9,7 +9,7 @@ from .growth import Polarity
 from .loads import Load, PressureTable, Septum, Turgor
 from .run import Run, StaticPath
 from .wall import AnyWall
-from .zone import Zone, misplaced
+from .zone import Zone, beyond, misplaced
 
 
 def check_wall(wall: AnyWall, cell: AnyCell) -> None:
@@ -29,10 +29,10 @@ def check_wall(wall: AnyWall, cell: AnyCell) -> None:
     if wall.bending:
         return
     if isinstance(cell, ConeCell) and cell.height == 0:
-        must = "a flat membrane ring carries no load; set cell.height or wall.bending"
+        must = "a flat membrane ring carries no load; set cell.height, or wall.bending = true"
         raise refusal(must, key="wall.bending")
-    if cell.ends in (("roller", "free"), ("axial", "free")):
-        must = 'a membrane with a free inner edge needs "hinged" or "clamped"'
+    if cell.ends in (("guided", "free"), ("sliding", "free")):
+        must = 'must be "hinged" or "clamped" for a membrane with a free inner edge'
         raise refusal(must, key="cell.edge")
 
 
@@ -43,23 +43,23 @@ def check_load(load: Load | None, path: StaticPath | None, cell: AnyCell, wall: 
             raise refusal('this path needs a [load], e.g. point_force = "-1 uN"', key="load")
         ratio = path.until.volume_ratio
         if ratio is not None and ratio <= 0 and cell.closed:
-            must = "must be > 0: a closed cell encloses a volume"
+            must = "must be > 0, as a closed cell encloses a volume"
             raise refusal(must, key="path.until.volume_ratio")
     if load is None:
         return
     if load.point_force is not None and load.pole not in cell.poles:
-        raise refusal(f"a {cell.shape} has no {load.pole} pole; set ring_force", key="load.pole")
+        raise refusal(f"{_no_pole(cell, load.pole)}; set load.ring_force", key="load.pole")
     if load.point_force is not None and not wall.bending:
-        must = "a membrane cannot carry a point force; set ring_force or wall.bending"
+        must = "a membrane cannot carry a point force; set load.ring_force, or wall.bending = true"
         raise refusal(must, key="load.point_force")
     if load.ring_force is None:
         return
     if load.at is None and cell.ends[1] != "free":
-        must = "expected the arc length of the ring, as the upper end is not a free edge"
+        must = "expected the arc length of the ring (µm), because the upper end is not a free edge"
         raise refusal(must, key="load.at")
     length = cell.curve.length
     if load.at is not None and load.at >= length:
-        raise refusal(f"must be less than the meridian's length ({length:.6g} µm)", key="load.at")
+        raise refusal(_short_of(length), key="load.at")
 
 
 def check_span(run: Run | None, path: StaticPath | None, turgor: Turgor, grows: bool) -> None:
@@ -90,7 +90,7 @@ def check_polarity(polarity: Polarity, cell: AnyCell, key: str) -> None:
     if polarity.centre is None:
         _check_pole(polarity.pole, cell, key)
     elif polarity.centre > (length := cell.curve.length):
-        raise refusal(f"the meridian ends at {length:.6g} µm", key=f"{key}.centre")
+        raise refusal(beyond(length), key=f"{key}.centre")
 
 
 def check_septum(septum: Septum, load: Load | None, cell: AnyCell, growing: Intervals) -> None:
@@ -101,13 +101,22 @@ def check_septum(septum: Septum, load: Load | None, cell: AnyCell, growing: Inte
         raise refusal("a separated piece carries no load; remove [load]", key="septum.piece")
     curve = cell.curve
     if septum.at is None and neck(growing, curve) is None:
-        must = "expected an arc length, as there is no bud neck or more than one"
+        must = "expected an arc length (µm), because the cell has no bud neck, or more than one"
         raise refusal(must, key="septum.at")
     if septum.at is not None and septum.at >= curve.length:
-        raise refusal(f"the meridian ends at {curve.length:.6g} µm", key="septum.at")
+        raise refusal(_short_of(curve.length), key="septum.at")
 
 
 def _check_pole(pole: str | None, cell: AnyCell, key: str) -> None:
     for each in ("top", "bottom") if pole == "both" else (pole,):
         if each is not None and each not in cell.poles:
-            raise refusal(f"a {cell.shape} has no {each} pole", key=f"{key}.pole")
+            raise refusal(_no_pole(cell, each), key=f"{key}.pole")
+
+
+def _no_pole(cell: AnyCell, pole: str) -> str:
+    has = f"its poles: {', '.join(cell.poles)}" if cell.poles else "it has none"
+    return f"a {cell.shape} has no {pole} pole ({has})"
+
+
+def _short_of(length: float) -> str:
+    return f"must be less than the meridian's length ({length:.6g} µm)"

@@ -90,7 +90,13 @@ def _nearest(model: type[BaseModel], data: object, path: Path) -> str:
     import difflib  # late: most scenes are right
 
     *parents, key = path
-    table = model_of(field_at(model, data, parents)[0], look_up(data, parents)) or model
+    annotation, content = field_at(model, data, parents)[0], look_up(data, parents)
+    table = model_of(annotation, content) or model
+    kinds = models_of(annotation)
+    if any(key in fields_of(kind) for kind in kinds if kind is not table):
+        name = kind_key(annotation)
+        kind = value_text(get_args(fields_of(table)[name].annotation)[0])
+        return f"not a key of {name} = {kind}; remove it (keys: {', '.join(fields_of(table))})"
     if near := difflib.get_close_matches(str(key), fields_of(table), n=1):
         return f"unknown key; did you mean {key_text((*parents, near[0]))}?"
     for name, field in fields_of(model).items():

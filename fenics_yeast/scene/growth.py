@@ -26,7 +26,9 @@ class Polarity(Table):
         default=None, description="pole at its centre; default: the pole of the zone, or top"
     )
     centre: Length | None = Field(
-        default=None, ge=0, description="arc length of its centre, instead of a pole (µm)"
+        default=None,
+        ge=0,
+        description="arc length from the bottom to its centre, instead of a pole (µm)",
     )
     width: Length = Field(gt=0, description="standard deviation of the Gaussian (µm)")
     weight: Literal["rate", "threshold"] = Field(
@@ -41,9 +43,9 @@ class Polarity(Table):
     @model_validator(mode="after")
     def _one_centre(self) -> Self:
         if self.centre is not None and "pole" in self.model_fields_set:
-            raise refusal("expected either pole or centre", key="centre")
+            raise refusal("expected either pole or centre, not both", key="centre")
         if self.centre is not None and self.follow == "tip":
-            raise refusal("the tip is a pole; remove centre or follow", key="centre")
+            raise refusal('the tip is a pole; remove centre, or set follow = "point"', key="centre")
         return self
 
     def centres(self, curve: Curve) -> list[float]:
@@ -75,7 +77,7 @@ class Growth(Table):
     def _ends_after_it_begins(self) -> Self:
         begins, ends = self.span
         if ends <= begins:
-            raise refusal(f"must be later than from ({begins:g} min)", key="until")
+            raise refusal(f"must be later than growth.from ({begins:g} min)", key="until")
         return self
 
     @model_validator(mode="after")

@@ -79,7 +79,7 @@ def _enter(table: Any, name: str) -> Any:
     if isinstance(entry, list | tuple) and entry and all(isinstance(e, dict) for e in entry):
         entry = table[place] = list(entry)
     elif not isinstance(entry, dict):
-        raise ValueError(f"{name} is not a table")
+        raise ValueError(f"{name[:40]} is a value, not a table")
     return entry
 
 
@@ -88,7 +88,7 @@ def _place(table: Any, name: str) -> Any:
     if isinstance(table, dict):
         return name
     if not name.isdecimal() or int(name) >= len(table):
-        raise ValueError(f"{name[:40]} is not an entry number from 0 to {len(table) - 1}")
+        raise ValueError(f"{name[:40]} must be the number of an entry, from 0 to {len(table) - 1}")
     return int(name)
 
 

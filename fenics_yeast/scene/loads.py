@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from itertools import pairwise
+from math import inf
 from typing import Annotated, Self
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
@@ -11,18 +12,25 @@ from .errors import BRANCH, refusal
 from .table import ListOf, Table
 from .units import Force, Length, Pressure, Time
 
+_JUMP = 1e-6  # duration of a jump of the pressure, as a part of its time, in which nothing grows
+
 
 class PressureTable(Table):
-    """Pressure as a function of time: piecewise linear, constant outside the given times."""
+    """Pressure as a function of time: piecewise linear, constant outside the given times.
 
-    time: ListOf[Time] = Field(description="times, increasing, not negative (min)")
+    Two equal times are a jump, from the first to the second of their values.
+    """
+
+    time: ListOf[Time] = Field(description="times in order; two equal ones are a jump (min)")
     value: ListOf[Pressure] = Field(description="pressure at each of the times (MPa)")
 
     @field_validator("time")
     @classmethod
     def _increasing(cls, times: tuple[float, ...]) -> tuple[float, ...]:
-        if not times or times[0] < 0 or any(a >= b for a, b in pairwise(times)):
-            raise refusal("expected increasing times >= 0, e.g. [0, 30, 40]")
+        if not times or times[0] < 0 or any(a > b for a, b in pairwise(times)):
+            raise refusal("expected times >= 0 in order, e.g. [0, 30, 40]")
+        if any(a == c for a, c in zip(times, times[2:], strict=False)):
+            raise refusal("expected at most two equal times, which are a jump")
         return times
 
     @field_validator("value")
@@ -32,6 +40,16 @@ class PressureTable(Table):
         if times is not None and len(values) != len(times):
             raise refusal(f"expected {len(times)} pressures, one per time")
         return values
+
+    @property
+    def ramps(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Times in min and pressures in MPa, with a very short ramp in place of each jump."""
+        times = list(self.time)
+        for i, (before, after) in enumerate(pairwise(self.time)):
+            if before == after:
+                following = min((t for t in self.time if t > after), default=inf)
+                times[i + 1] += min(_JUMP * max(1.0, after), (following - after) / 2)
+        return tuple(times), self.value
 
 
 def _number_or_table(value: object) -> str:
@@ -69,7 +87,7 @@ class Load(Table):
     at: Length | None = Field(
         default=None,
         gt=0,
-        description="arc length of the ring from the lower end (µm); default: a free upper edge",
+        description="arc length from the bottom to the ring (µm); default: a free upper edge",
     )
 
     @model_validator(mode="after")
@@ -94,7 +112,9 @@ class Septum(Table):
     """
 
     at: Length | None = Field(
-        default=None, gt=0, description="arc length of its edge (µm); default: the bud neck"
+        default=None,
+        gt=0,
+        description="arc length from the bottom to its edge (µm); default: the bud neck",
     )
     piece: Pole | None = Field(
         default=None, description="side of the septum to simulate; default: the whole cell"

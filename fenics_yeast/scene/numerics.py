@@ -68,7 +68,9 @@ class Numerics(Table):
     preset: Literal["default", "paper"] = Field(
         default="default", description="source of the values of the other keys"
     )
-    tolerance: float = _preset("tolerance", "relative error of V/V0 (1)", ge=1e-8, le=0.1)
+    tolerance: float = _preset(
+        "tolerance", "relative error of V/V0, all sources together (1)", ge=1e-8, le=0.1
+    )
     elements: int = _preset("elements", "number of elements along the meridian", ge=2, le=100_000)
     order: int = _preset("order", "degree of the Lagrange elements", ge=1, le=4)
     grading: Grading = _preset("grading", "element sizes: uniform, or graded to zones and edges")

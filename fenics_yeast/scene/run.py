@@ -15,7 +15,11 @@ class Run(Table):
     end: Time = Field(gt=0, description="end of the simulation (min)")
     save: ListOf[Time] = Field(
         default_factory=lambda given: (given.get("end", 0.0),),
-        description="times that are hit exactly and saved, sorted (min); empty or default: the end",
+        description="times to save, each the end of a step (min); empty or default: the end",
+    )
+
+    stop_at_contact: bool = Field(
+        default=False, description="whether to end where the wall touches itself"
     )
 
     @field_validator("save")
@@ -56,7 +60,7 @@ class Until(Table):
             keys = ", ".join(type(self).model_fields)
             raise refusal(f'expected exactly one of {keys}, e.g. {{ pressure = "1 MPa" }}')
         if self.volume_ratio == 1 or 0 in ends[1:]:
-            raise refusal("a path must not end where it begins, at V/V0 = 1 without load")
+            raise refusal("must differ from the start of the path: V/V0 = 1, everything else 0")
         return self
 
     @property
@@ -82,7 +86,14 @@ class StaticPath(Table):
         description="what is prescribed at each point; default: volume, or displacement of a load",
     )
     steps: int = Field(
-        default=60, ge=1, le=100_000, description="number of steps; reduced in size where they fail"
+        default=60,
+        ge=1,
+        le=100_000,
+        description="number of steps; more are taken where the path turns sharply",
+    )
+
+    stop_at_contact: bool = Field(
+        default=False, description="whether to end where the wall touches itself"
     )
 
     @model_validator(mode="after")
@@ -91,5 +102,5 @@ class StaticPath(Table):
         if self.control not in (*controls, "arc-length"):
             end = next(iter(self.until.model_dump(exclude_none=True)))
             allowed = ", ".join(f'"{control}"' for control in (*controls, "arc-length"))
-            raise refusal(f"a path to a {end} needs one of {allowed}", key="control")
+            raise refusal(f"must be one of {allowed} for a path to a {end}", key="control")
         return self

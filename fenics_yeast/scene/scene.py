@@ -16,7 +16,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from ..geometry import Intervals
 from . import checks
 from .cell import AnyCell
-from .errors import SceneError, value_text
+from .errors import SceneError, refusal, value_text
 from .explain import explain
 from .growth import Growth, OneOrMore
 from .keys import set_value
@@ -41,7 +41,10 @@ class Scene(Table):
     )
     cell: AnyCell = Field(description="shape of the unloaded cell")
     wall: AnyWall = Field(description="the cell wall")
-    turgor: Turgor = Field(description="pressure inside the cell")
+    turgor: Turgor = Field(
+        default_factory=lambda: Turgor(pressure=0.0),
+        description="pressure inside the cell; default: 0, if there is a path or a load",
+    )
     axial_load: Load | None = Field(  # `load` reads a file
         default=None, alias="load", description="force along the axis; default: only turgor"
     )
@@ -63,6 +66,8 @@ class Scene(Table):
     @model_validator(mode="after")
     def _tables_agree(self) -> Self:
         cell, wall, load = self.cell, self.wall, self.axial_load
+        if "turgor" not in self.model_fields_set and self.path is None and load is None:
+            raise refusal(key="turgor")
         checks.check_wall(wall, cell)
         checks.check_load(load, self.path, cell, wall)
         checks.check_span(self.run, self.path, self.turgor, grows=self.growth is not None)
@@ -131,7 +136,9 @@ class Scene(Table):
                 content = file.read(_LARGEST_FILE + 1)
             text = content.decode("utf-8-sig")
         except FileNotFoundError:
-            raise SceneError(f"{source}: no such file; expected a scene file") from None
+            raise SceneError(
+                f"{source}: no such file; to create a scene, run: fenics-yeast new {source}"
+            ) from None
         except UnicodeDecodeError as error:
             at = f"byte {error.start + 1}"
             raise SceneError(f"{source}: not UTF-8 at {at}; save the file as UTF-8") from None

@@ -50,7 +50,8 @@ class _Wall(Table):
         default=True, description="whether the wall resists bending; false: a membrane"
     )
     energy_per: Literal["reference", "grown"] = Field(
-        default="reference", description="volume per unit of which energy is given"
+        default="reference",
+        description="volume to which the energy density refers: reference or grown",
     )
     thickness_change: Literal["none", "elastic"] = Field(
         default="none", description="whether elastic stretch thins the wall"

@@ -25,9 +25,14 @@ class Zone(Table):
     """
 
     start: Length | None = Field(
-        default=None, ge=0, alias="from", description="arc length at its lower edge (µm)"
+        default=None,
+        ge=0,
+        alias="from",
+        description="arc length from the bottom to its lower edge (µm)",
     )
-    to: Length | None = Field(default=None, gt=0, description="arc length at its upper edge (µm)")
+    to: Length | None = Field(
+        default=None, gt=0, description="arc length from the bottom to its upper edge (µm)"
+    )
     pole: Poles | None = Field(default=None, description="pole at its centre")
     half_angle: Angle | None = Field(
         default=None, gt=0, le=180, description="polar angle from the pole to its edge (degrees)"
@@ -90,10 +95,17 @@ def misplaced(zones: Sequence[Zone], curve: Curve) -> tuple[int, str] | None:
     placed = [(part, i) for i, zone in enumerate(zones) for part in zone.intervals(curve)]
     for part, i in placed:
         if part.end > curve.length + near:
-            return i, f"the meridian ends at {curve.length:.6g} µm"
+            return i, beyond(curve.length)
     placed.sort(key=lambda item: item[0].start)
     for (below, i), (above, j) in pairwise(placed):
         if above.start < below.end - near:
+            if i == j:
+                return i, "its two caps must not overlap; reduce half_angle below 90 degrees"
             both = f"{below.start:.6g} to {below.end:.6g} µm and {above.start:.6g} to"
             return max(i, j), f"zones must not overlap; {both} {above.end:.6g} µm of arc length do"
     return None
+
+
+def beyond(length: float) -> str:
+    """Return what must hold of a place that is not on a meridian of a length in µm."""
+    return f"must be at most the meridian's length ({length:.6g} µm)"

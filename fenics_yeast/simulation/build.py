@@ -192,7 +192,7 @@ def turgor(scene: Scene) -> Callable[[float], float]:
     def at(time: float) -> float:
         rise = min(1.0, time / ramp) if ramp > 0 else 1.0
         if isinstance(pressure, PressureTable):
-            return rise * float(np.interp(time, pressure.time, pressure.value))
+            return rise * float(np.interp(time, *pressure.ramps))
         return rise * pressure
 
     return at

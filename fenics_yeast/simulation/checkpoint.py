@@ -20,7 +20,7 @@ from .step_errors import StepErrorState
 
 Values = NDArray[Any]
 
-FORMAT = 3
+FORMAT = 4
 _FORMAT, _DIGEST = "format", "sha256"
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import ufl
 
 from .. import _dolfinx as dx
-from ..geometry import NEAR, edges
+from ..geometry import NEAR, Array, edges
 from ..mechanics import Order, Shell, WallPoint
+from .contact import touches_itself
 from .profiles import Profile
 
 
@@ -72,6 +73,22 @@ class Measurements:
         self._shell.comm.Allreduce(dx.MPI.IN_PLACE, largest, op=dx.MPI.MAX)
         below, above, *others = np.where(np.isfinite(largest), largest, 0.0).tolist()
         return Sizes(above + below, *others)
+
+    def in_contact(self) -> bool:
+        """Whether the wall touches itself."""
+        shell, motion = self._shell, self._w[self._dofs[:, :2]]
+        places = self._nodes.gather(np.column_stack([self._R, self._Z]) + motion)
+        found = False
+        if places is not None:
+            first, last = (end == "pole" for end in shell.discretisation.ends)
+            found = touches_itself(places[:, 0], places[:, 1], shell.thickness, (first, last))
+        return bool(shell.comm.bcast(found))
+
+    def elastic_strain(self) -> Array:
+        """Return elastic strains, meridional and hoop, at the points of this rank,
+        shape ``(points, n, 2)``."""
+        fields = self._fields().reshape(len(self._S_points), -1, 3, 2)
+        return fields[:, :, 0] - fields[:, :, 2]
 
     def profile(self, time: float) -> Profile | None:
         """Return the profile of the wall at a time in min on rank 0, None on others."""

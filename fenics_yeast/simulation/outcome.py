@@ -30,14 +30,24 @@ def limit_force_exceeded(limit: float) -> Outcome:
     return Outcome("no-equilibrium", f"no equilibrium: limit force exceeded ({limit:.6g} µN)")
 
 
+def wall_softened(stretch: float, where: str) -> Outcome:
+    """Return the end of a run at a linear wall that is compressed beyond its stiffness."""
+    return Outcome(
+        "no-equilibrium",
+        f"no equilibrium found beyond {where}: the wall is compressed to {stretch:.2g} of its "
+        'length, where a linear wall has no stiffness (below 0.58); use law = "ogden"',
+    )
+
+
 def growth_limit_reached(row: Row, softens: bool = True) -> Outcome:
     """Return the end of a run at which growth reached a limit point, after its last row.
 
     Growth softens the wall unless the energy is per unit grown volume.
     """
-    why = "growth has softened the wall until it can no longer carry the turgor"
+    load = "the turgor" if row.force_uN == 0 else "turgor and force"
+    why = f"growth has softened the wall until it can no longer carry {load}"
     if not softens:
-        why = "the cell has grown so large that its wall can no longer carry the turgor"
+        why = f"the cell has grown so large that its wall can no longer carry {load}"
     if row.pressure_MPa < 0:
         why = "the wall has shrunk into a shape that cannot carry the external pressure"
     where = f"beyond {row.time_min:.5g} min (V/V0 = {row.volume_ratio:.4f})"
@@ -49,9 +59,33 @@ def growth_unbounded(time: float, row: Row) -> Outcome:
     return Outcome(
         "unbounded",
         f"growth without bound: the volume becomes infinite at {time:.7g} min "
-        f"(followed to {row.time_min:.5g} min, V/V0 = {row.volume_ratio:.4g})",
+        f"(computed up to {row.time_min:.5g} min, V/V0 = {row.volume_ratio:.4g})",
         time,
     )
+
+
+def stopped_at_contact(row: Row) -> Outcome:
+    """Return the end of a run that was to end at the first row in which the wall touches itself."""
+    return Outcome("finished", f"the wall touches itself at {_place(row)}; stopped there")
+
+
+def contact_warning(row: Row, table: str) -> str:
+    """Return what must be known of a run whose wall touches itself from a row on.
+
+    `table` is the table of the scene with the key that ends a run there.
+    """
+    return (
+        f"the wall touches itself from {_place(row)} on, and may go through itself, as contact is "
+        f"not modelled; to end there, set {table}.stop_at_contact = true"
+    )
+
+
+def _place(row: Row) -> str:
+    if row.time_min > 0:
+        return f"{row.time_min:.5g} min"
+    if row.displacement_um != 0:
+        return f"a displacement of {row.displacement_um:.5g} µm"
+    return f"V/V0 = {row.volume_ratio:.5g}"
 
 
 def stability_note(rows: Sequence[Row]) -> str:

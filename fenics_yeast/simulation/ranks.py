@@ -91,8 +91,8 @@ class OtherRanks:
     def _abort(self, error: BaseException) -> None:
         words = f"{type(error).__name__}: {error}".replace("\n", " ")
         print(
-            f"error: the run failed only on rank {self._comm.rank}, so all ranks end: {words}; "
-            "its output so far is kept",
+            f"error: the run failed on rank {self._comm.rank} but not on all others: {words}; "
+            "all ranks end; output so far is kept",
             file=sys.stderr,
             flush=True,
         )

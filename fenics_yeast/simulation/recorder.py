@@ -3,19 +3,24 @@
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import inf
 from time import perf_counter
 
+from .. import _dolfinx as dx
 from ..mechanics import Shell, ShellState
+from ..scene import AnyWall
 from .history import Row
 from .measurements import Measurements
 from .profiles import Profile
+from .softening import softest_stretch
 
 
 @dataclass(frozen=True)
 class RecorderState:
     """Numbers of rows, profiles, rejected steps and Newton iterations.
 
-    `saved` says whether the last profile is that of the last row.
+    `saved` says whether the last profile is that of the last row, `contact` is the number of the
+    first row in which the wall touches itself.
     """
 
     rows: int
@@ -23,13 +28,14 @@ class RecorderState:
     saved: bool
     rejected: int
     iterations: int
+    contact: int | None
 
 
 class Recorder:
     """Records accepted states and profiles of a shell; its methods are collective.
 
     `rows` and `profiles` are complete on rank 0; other ranks have only the rows. `news` has those
-    that have not been published yet.
+    that have not been published yet. `contact` is as in `RecorderState`.
     """
 
     def __init__(self, shell: Shell) -> None:
@@ -40,12 +46,13 @@ class Recorder:
         self.profiles: list[Profile] = []
         self.news: deque[Row | Profile | None] = deque()
         self.rejected = self.iterations = 0
+        self.contact: int | None = None
         self.output_s = 0.0
 
     def state(self) -> RecorderState:
         """Return how much has been recorded."""
         counts = len(self.rows), len(self.profiles), self._saved
-        return RecorderState(*counts, self.rejected, self.iterations)
+        return RecorderState(*counts, self.rejected, self.iterations, self.contact)
 
     def restore(
         self, state: RecorderState, rows: Iterable[Row], profiles: Iterable[Profile]
@@ -54,7 +61,7 @@ class Recorder:
         self.rows, self.profiles = list(rows), list(profiles)
         self.rejected, self.iterations = state.rejected, state.iterations
         self._accepted = (self._shell.state(), float(self._shell.pressure.value))
-        self._saved = state.saved
+        self._saved, self.contact = state.saved, state.contact
 
     def accept(self, time: float, step: float, iterations: int, stable: bool) -> Row:
         """Record the shell's state as accepted, at a time in min after a step of some length."""
@@ -78,6 +85,8 @@ class Recorder:
             displacement_um=0.0 if shell.force is None else shell.force.displacement(),
         )
         self._accepted, self._saved = (shell.state(), pressure), False
+        if self.contact is None and self.in_contact():
+            self.contact = len(self.rows)
         self.rows.append(row)
         self.news.append(row)
         return row
@@ -86,6 +95,17 @@ class Recorder:
         """Count a rejected step."""
         self.rejected += 1
         self.iterations += iterations
+
+    def in_contact(self) -> bool:
+        """Whether the wall touches itself in the trial state."""
+        return self._measurements.in_contact()
+
+    def softest_stretch(self, wall: AnyWall) -> float | None:
+        """Return the least stretch, in the trial state, at which the wall has no stiffness."""
+        comm = self._shell.comm
+        here = softest_stretch(wall, self._measurements.elastic_strain())
+        least = comm.allreduce(inf if here is None else here, op=dx.MPI.MIN)
+        return least if least < inf else None
 
     def save(self) -> None:
         """Record the profile of the accepted state, unless it is recorded."""

@@ -17,11 +17,11 @@ from .error_estimate import tolerance_warning
 from .history import History, Row
 from .initial_state import set_initial_state
 from .observers import Observers, Publisher, RowCallback
-from .outcome import Outcome, stability_note
+from .outcome import Outcome, contact_warning, stability_note
 from .profiles import Profile, Profiles
 from .ranks import OtherRanks, RootError
 from .recorder import Recorder
-from .result import Observer, Result, Timings
+from .result import ErrorEstimate, Observer, Result, Timings
 from .scales import residual_tolerance
 from .static import Static
 from .transient import Transient
@@ -160,7 +160,6 @@ class Simulation:
         outcome = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
         status, message = outcome.status, outcome.message
         estimate = self._driver.estimate_error()
-        warning = tolerance_warning(self._scene, estimate)
         return Result(
             history=History(rows),
             profiles=Profiles(tuple(recorder.profiles), self._shell.discretisation.zones),
@@ -173,8 +172,19 @@ class Simulation:
             newton_iterations=recorder.iterations,
             timings=self._timings(),
             error_estimate=estimate,
-            warnings=() if warning is None else (warning,),
+            warnings=tuple(self._warnings(estimate)),
         )
+
+    def _warnings(self, estimate: ErrorEstimate) -> Iterator[str]:
+        """Yield what must be known of the run even if it ended well."""
+        if (inaccurate := tolerance_warning(self._scene, estimate)) is not None:
+            yield inaccurate
+        contact = self._recorder.contact
+        if contact is not None:
+            table, row = "run" if self._scene.path is None else "path", self._recorder.rows[contact]
+            span = self._scene.path or self._scene.run
+            if span is None or not span.stop_at_contact:
+                yield contact_warning(row, table)
 
     @property
     def _time(self) -> float:

@@ -17,10 +17,17 @@ from ..solve import (
 )
 from .error_estimate import estimate_error
 from .history import Row
-from .outcome import Outcome, limit_force_exceeded, limit_pressure_exceeded
+from .loading import force_coordinates
+from .outcome import (
+    Outcome,
+    limit_force_exceeded,
+    limit_pressure_exceeded,
+    stopped_at_contact,
+    wall_softened,
+)
 from .recorder import Recorder
 from .result import ErrorEstimate
-from .scales import force_scale, length_scale, pressure_scale
+from .scales import pressure_scale
 
 
 class Static:
@@ -58,7 +65,10 @@ class Static:
         )
         try:
             for iterations in points:
-                yield self._accept(iterations)
+                yield (row := self._accept(iterations))
+                if path.stop_at_contact and self._recorder.contact is not None:
+                    self._recorder.save()
+                    return stopped_at_contact(row)
         except PathError as error:
             return self._ended(error)
         self._recorder.save()
@@ -74,7 +84,7 @@ class Static:
         """Return load and conjugate amount of the path with their scales, and its target."""
         until, scene, shell = self._path.until, self._scene, self._shell
         if until.of_load:
-            of_force = PathCoordinates(shell.force, length_scale(scene), force_scale(scene))
+            of_force = force_coordinates(scene, shell.force)
             if until.displacement is not None:
                 return of_force, PathTarget(0, until.displacement / of_force.conjugate_unit)
             return of_force, PathTarget(1, (until.force or 0.0) / of_force.load_unit)
@@ -101,7 +111,7 @@ class Static:
             with Equilibrium(shell, self._tolerance) as equilibrium:
                 equilibrium.solve()
         except EquilibriumError as error:
-            return Outcome("failed", f"no equilibrium found under the constant load: {error}")
+            return Outcome("failed", f"no convergence under the constant load: {error}")
         if coordinates.load is not shell.pressure:
             shell.force.begin()
         return None
@@ -129,7 +139,10 @@ class Static:
             if limit is not None:
                 self._recorder.accept(0.0, 0.0, limit.iterations, True)
                 return limit_pressure_exceeded(limit.pressure)
-        return Outcome("failed", f"the path was lost at {self._describe(rows[-1])}: {error}")
+        where, stretch = self._describe(rows[-1]), self._recorder.softest_stretch(self._scene.wall)
+        if stretch is not None:
+            return wall_softened(stretch, where)
+        return Outcome("failed", f"the path could not be followed beyond {where}: {error}")
 
     def _extreme(self) -> Row | None:
         """Return the point of largest absolute load, if the path continued beyond it."""

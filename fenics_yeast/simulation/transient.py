@@ -1,15 +1,11 @@
 """Runs in time: find the first equilibrium, take steps, and report how the run ends."""
 
-from bisect import bisect_left
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from contextlib import ExitStack
-from itertools import pairwise
 from typing import Any, Self
 
-import numpy as np
-
 from ..mechanics import Shell
-from ..scene import SHARES, PressureTable, Scene
+from ..scene import SHARES, Scene
 from ..solve import (
     TABLEAUX,
     Equilibrium,
@@ -17,26 +13,31 @@ from ..solve import (
     PathError,
     Resumable,
     Stability,
-    StepController,
     StepResult,
     TimeStepper,
     approach_limit_point,
     find_limit_pressure,
-    same_time,
 )
 from .blow_up import blow_up_time
 from .build import turgor
 from .checkpoint import Checkpoint
 from .error_estimate import estimate_error
 from .history import Row
-from .outcome import Outcome, growth_limit_reached, growth_unbounded, limit_pressure_exceeded
+from .loading import load_in_parts
+from .milestones import among, kinks, step_controller, switches
+from .outcome import (
+    Outcome,
+    growth_limit_reached,
+    growth_unbounded,
+    limit_pressure_exceeded,
+    stopped_at_contact,
+    wall_softened,
+)
 from .recorder import Recorder
 from .result import ErrorEstimate, Timings
 from .step_errors import StepErrors
 
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
-_FIRST_STEP = 1e-3  # of the characteristic growth time, where steps are adaptive
-_PARTS = 4  # of a change of pressure, in which growth may begin unseen by estimates of errors
 _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wall may be at rest
 
 
@@ -57,9 +58,10 @@ class Transient:
         self._stepper = TimeStepper(shell, self._equilibrium, self._tableau, turgor(scene))
         self._stable = True
         self._reduced = False
-        self._switches = sorted(time for zone in scene.growing for time in zone.span)
-        self._kinks = self._find_kinks()
-        self._controller = self._step_controller()
+        self._switches, self._kinks = switches(scene), kinks(scene)
+        self._controller = step_controller(
+            scene, self._stepper.pressure, self._tableau.estimate_order
+        )
         growth_time, allowed = scene.growth_time or 1.0, SHARES.steps * scene.numerics.tolerance
         self._errors = StepErrors(self._tableau, growth_time, shell.reference_volume, allowed)
         # By the names of a checkpoint. The solver comes first, as it moves the shell.
@@ -101,6 +103,8 @@ class Transient:
         if self._scene.run is None:
             return Outcome("finished", "equilibrium found")
         while (end := self._propose()) is not None:
+            if self._scene.run.stop_at_contact and recorder.contact is not None:
+                return stopped_at_contact(recorder.rows[recorder.contact])
             try:
                 step = self._stepper.attempt(end)
             except EquilibriumError as error:
@@ -133,9 +137,9 @@ class Transient:
             recorder.reject(step.iterations)
             return None
         self._stepper.accept(end)
-        if _among(end, self._kinks):
+        if among(end, self._kinks):
             self._stepper.reset_predictor()
-        if _among(end, self._switches):
+        if among(end, self._switches):
             self._controller.reset()
         row = recorder.accept(end, end - start, step.iterations, self._stable)
         self._settle(end)
@@ -144,7 +148,7 @@ class Transient:
     def _settle(self, time: float) -> None:
         """Save a profile of the accepted state at a time in min, if due, and a checkpoint."""
         run, recorder = self._scene.run, self._recorder
-        if run is None or _among(time, run.save):
+        if run is None or among(time, run.save):
             recorder.save()
         self.checkpoint = Checkpoint(
             scene="",
@@ -167,7 +171,7 @@ class Transient:
     # --- loading --------------------------------------------------------------------------
 
     def _load(self) -> Outcome | None:
-        """Find the first equilibrium: at once or, if Newton's method fails or strays, by volume."""
+        """Find the first equilibrium: at once or, if Newton's method fails or strays, in parts."""
         stepper, recorder = self._stepper, self._recorder
         try:
             iterations = stepper.load()
@@ -179,39 +183,20 @@ class Transient:
         recorder.reject(iterations)
         stepper.unload()
         try:
-            limit = find_limit_pressure(self._shell, stepper.pressure(0.0), self._tolerance)
-            if limit is not None:
-                recorder.iterations += limit.iterations
-                return limit_pressure_exceeded(limit.pressure)
-            iterations = stepper.load()
+            iterations, lost = load_in_parts(self._scene, stepper, self._tolerance)
         except (EquilibriumError, PathError) as error:
+            lost = self._softened("the initial loads")
             stepper.unload()
-            return Outcome("failed", f"no equilibrium found under the turgor: {error}")
+            return lost or Outcome("failed", f"no convergence under the initial loads: {error}")
+        if lost is not None:
+            recorder.iterations += iterations
+            through = "; the wall has touched itself before" if recorder.in_contact() else ""
+            return lost._replace(message=lost.message + through)
         self._past_limit()
         recorder.accept(0.0, 0.0, iterations, self._stable)
         return None
 
     # --- steps ----------------------------------------------------------------------------
-
-    def _find_kinks(self) -> list[float]:
-        """Return the times in min at which the pressure's slope changes, or growth switches."""
-        pressure, end = self._scene.turgor.pressure, self._scene.run.end if self._scene.run else 0.0
-        times = pressure.time if isinstance(pressure, PressureTable) else ()
-        inside = (t for t in (*times, *self._switches) if 0 < t < end)
-        return sorted([min(self._scene.turgor.ramp, end), *inside])
-
-    def _step_controller(self) -> StepController:
-        """Control fixed steps, or steps that follow the estimated error of growth."""
-        run, numerics, growth_time = self._scene.run, self._scene.numerics, self._scene.growth_time
-        milestones = [] if run is None else [*self._kinks, *run.save, run.end]
-        if numerics.step is not None:
-            return StepController(milestones, numerics.step, None)
-        for start, end in pairwise([0.0, *self._kinks]):
-            if self._stepper.pressure(start) != self._stepper.pressure(end):
-                milestones += list(np.linspace(start, end, _PARTS + 1))
-        if growth_time is None:
-            return StepController(milestones, max(milestones, default=0.0) / 100, None)
-        return StepController(milestones, _FIRST_STEP * growth_time, self._tableau.estimate_order)
 
     def _propose(self) -> float | None:
         """Return the end of the next step; where nothing will change, the next milestone."""
@@ -244,13 +229,13 @@ class Transient:
         """Whether the trial is accurate enough; adapts the steps and adds up their errors."""
         volume, before, start = self._shell.volume(), self._recorder.rows[-1], self._time
         error, change = self._stepper.volume_error(step), volume - before.volume_um3
-        smooth = start >= self._scene.turgor.ramp and not _among(start, self._kinks)
+        smooth = start >= self._scene.turgor.ramp and not among(start, self._kinks)
         adaptive, relative = self._scene.numerics.step is None, 0.0
         if adaptive and self._scene.growth_time is not None:
             relative = self._errors.relative(error, volume, change, end - start, smooth)
         if not self._controller.accepts(relative):
             return False
-        saved = self._scene.run is not None and _among(end, self._scene.run.save)
+        saved = self._scene.run is not None and among(end, self._scene.run.save)
         self._errors.accept(error, volume, change, end - start, smooth=smooth, saved=saved)
         return True
 
@@ -332,19 +317,22 @@ class Transient:
     def _finished(self, end: float) -> Outcome:
         message = f"reached {end:g} min"
         if self._shell.growth is not None and self._recorder.rows[-1].max_growth_strain == 0:
-            message += "; nothing grew: the stress stays below the threshold"
+            late = all(growth.begins >= end for growth in self._scene.growing)
+            why = "growth.from is later" if late else "the stress stays below growth.threshold"
+            message += f"; nothing grew: {why}"
         if self._reduced:
             message += f"; steps reduced to the stability limit of {self._tableau.name}"
         elif self._controller.reductions and self._scene.numerics.step is not None:
-            message += f"; fixed steps reduced: {self._controller.reductions}"
+            reductions = self._controller.reductions
+            message += f"; {reductions} fixed step{'s' * (reductions != 1)} reduced"
         return Outcome("finished", message)
 
     def _failed(self, reason: EquilibriumError | str) -> Outcome:
-        where = f"no convergence beyond {self._time:g} min, even with the smallest step"
-        return Outcome("failed", f"{where}: {reason}")
+        where = f"{self._time:g} min"
+        failed = f"no convergence beyond {where}, even with the smallest step: {reason}"
+        return self._softened(where) or Outcome("failed", failed)
 
-
-def _among(time: float, times: Sequence[float]) -> bool:
-    """Whether a time is one of some increasing ones."""
-    after = bisect_left(times, time)
-    return any(same_time(time, other) for other in times[max(0, after - 1) : after + 1])
+    def _softened(self, where: str) -> Outcome | None:
+        """Return the end of a run if the wall, in its trial state, has no stiffness."""
+        stretch = self._recorder.softest_stretch(self._scene.wall)
+        return None if stretch is None else wall_softened(stretch, where)

@@ -4,7 +4,7 @@ Knows no scene: it works on a shell, loads as numbers or functions, and toleranc
 """
 
 from .equilibrium import ChordState, Equilibrium, EquilibriumError
-from .limit_points import approach_limit_point, find_limit_pressure
+from .limit_points import approach_limit_point, find_limit_force, find_limit_pressure
 from .path_following import PathCoordinates, PathError, PathTarget, follow_path
 from .resumable import Resumable
 from .runge_kutta import TABLEAUX, ButcherTableau
@@ -16,5 +16,6 @@ __all__ = [
     "TABLEAUX", "ButcherTableau", "ChordState", "ControllerState", "Equilibrium",
     "EquilibriumError", "PathCoordinates", "PathError", "PathTarget", "Resumable", "Stability",
     "StabilityState", "StepController", "StepResult", "StepperState", "TimeStepper",
-    "approach_limit_point", "find_limit_pressure", "follow_path", "same_time",
+    "approach_limit_point", "find_limit_force", "find_limit_pressure", "follow_path",
+    "same_time",
 ]  # fmt: skip

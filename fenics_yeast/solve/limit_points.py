@@ -1,12 +1,12 @@
 """Limit points, beyond which a wall has no equilibrium: in time, and under rising pressure.
 
 Both searches prescribe the volume, which still increases at a limit point, and solve for what
-reaches its maximum there: time or pressure.
+reaches its maximum there: time or pressure. For a force, its displacement takes that part.
 """
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from math import copysign
+from math import ceil, copysign
 from typing import TypeVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from ..geometry import Array
 from ..mechanics import Shell
 from .continuation import BorderedNewton
 from .equilibrium import EquilibriumError
-from .path_following import LEAST_STEP, PathError
+from .path_following import LEAST_STEP, PathCoordinates, PathError, PathTarget, follow_path
 from .runge_kutta import TABLEAUX
 from .time_stepper import TimeStepper
 
@@ -26,6 +26,7 @@ _TABLEAU = TABLEAUX["sdirk3"]  # of steps in volume
 _SHARPNESS = 2e-5  # of the time: how accurately the limit point is located
 _LEAST_GROWTH_STEP = 1e-7  # of the volume
 _MOST_GROWTH_STEPS, _MOST_PRESSURE_STEPS = 400, 1000
+_FEWEST_STEPS, _LARGEST_DISPLACEMENT = 40, 0.1  # in its unit, under a rising force
 _BEFORE = 2e-4  # of the volume: how far before a limit pressure the search stops
 
 
@@ -193,3 +194,39 @@ def find_limit_pressure(shell: Shell, pressure: float, tolerance: float) -> Limi
             if sign * (pressure - points[-1][1]) <= 0:
                 return None
     raise PathError(f"the pressure was not reached in {_MOST_PRESSURE_STEPS} steps in volume")
+
+
+# --- under a rising force -----------------------------------------------------------------
+
+
+def find_limit_force(
+    shell: Shell, coordinates: PathCoordinates, force: float, tolerance: float, closed: bool
+) -> float | None:
+    """Find the limit point between the trial state and a force; None if there is none.
+
+    Returns the limit force in µN. The trial state moves along the path, by displacement.
+
+    Parameters
+    ----------
+    shell, tolerance
+        As in `find_limit_pressure`.
+    coordinates
+        Displacement and force, and their units.
+    force
+        Force in µN to be reached, of either sign.
+    closed
+        Whether the wall is closed, as in `follow_path`.
+
+    Raises
+    ------
+    PathError
+        If no step along the path converges.
+    """
+    largest, target = 0.0, PathTarget(1, force / coordinates.load_unit)
+    steps = max(_FEWEST_STEPS, ceil(abs(target.value) / _LARGEST_DISPLACEMENT))
+    for _ in follow_path(shell, coordinates, "displacement", target, steps, tolerance, closed):
+        reached = float(coordinates.load.value)
+        if abs(reached) < abs(largest):
+            return largest
+        largest = reached
+    return None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from .cases import Case, parse_variation, plan, value_label
 from .execution import run_sweep
-from .table import TABLE, CaseRow
+from .table import TABLE, CaseRow, read_table
 
 if TYPE_CHECKING:
     from .error_bars import estimate_error_bars
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "TABLE", "Case", "CaseRow", "draw_sweep", "estimate_error_bars", "parse_variation", "plan",
-    "run_sweep", "value_label",
+    "read_table", "run_sweep", "value_label",
 ]  # fmt: skip
 
 # Names whose modules load dolfinx or figures.

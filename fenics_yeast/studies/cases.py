@@ -8,7 +8,7 @@ from itertools import product
 
 from pydantic import BaseModel
 
-from ..scene import Scene, SceneError, parse_value, value_of, value_text
+from ..scene import Scene, SceneError, parse_value, value_of
 
 _MOST_VALUES = 100_000
 _DIGITS = 12  # of a value in a range: 1.1 rather than 1.0999999999999999
@@ -55,7 +55,7 @@ def parse_variation(text: str) -> Parameter:
     entries = _split(listed, ",")
     if not key or not all(entries):
         advice = "write TABLE.KEY=V1,V2,... or TABLE.KEY=A:B:N, e.g. growth.time=30,45,60"
-        raise SceneError(f"{value_text(text)}: {advice}")
+        raise SceneError(f"--vary {text[:80]}: {advice}")
     values: list[object] = []
     for entry in entries:
         ends = _split(entry, ":")
@@ -73,7 +73,7 @@ def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
     """
     keys = [parameter.key for parameter in parameters]
     if twice := [key for key in keys if keys.count(key) > 1]:
-        raise SceneError(f"--vary {twice[0]} is given twice; list all its values in one option")
+        raise SceneError(f"--vary {twice[0]}: given twice; list all its values in one option")
     cases: dict[Scene, Case] = {}
     names: set[str] = set()
     for values in product(*(parameter.values for parameter in parameters)):

@@ -28,7 +28,7 @@ from .table import TABLE, CaseRow, finished_row, is_unfinished, read_table, row_
 _STOP = Event()  # its case ends after the current step
 _BUSY = Lock()  # held while it runs a case
 
-_KILLED = "its process was killed; if memory is short, use fewer --jobs"
+_KILLED = "its process was killed; if memory is short, rerun with a smaller --jobs"
 _Ended = Iterator[tuple[Case, str]]  # a case that has ended, and a message that its directory lacks
 
 
@@ -124,7 +124,7 @@ def _row(directory: Path, case: Case, message: str) -> CaseRow:
         row = None if message else row_of(directory, case)
     except (OutputError, SceneError) as error:
         row, message = None, str(error)
-    message = message or "it ended without a summary"
+    message = message or "ended without run.json; rerun the sweep to try again"
     return row or CaseRow(case.name, case.values, "failed", message)
 
 

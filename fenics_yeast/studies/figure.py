@@ -131,7 +131,7 @@ def _write_numbers(
         if np.isnan(at):
             text = "×"
             if not crowded and row.status in LOST and row.end_time is not None:
-                text = f"lost at\n{minutes(row.end_time)}"
+                text = f"ends at\n{minutes(row.end_time)}"
         else:
             text = "" if crowded else f"{at:.3f}"
             colour = "white" if at < middle else "black"

@@ -142,10 +142,10 @@ def read_table(directory: Path) -> tuple[list[str], list[CaseRow]]:
             raise ValueError
         rows = [_read(dict(zip(header, line, strict=True)), header[1:split]) for line in lines]
     except OSError:
-        problem = f"{directory}: no {TABLE}; not the directory of a sweep"
+        problem = f"{directory}: no {TABLE}; not the output directory of a sweep"
         raise OutputError(problem) from None
     except (ValueError, KeyError, UnicodeDecodeError):
-        problem = f"{path}: not the table of a sweep; choose another directory"
+        problem = f"{path}: not the table of a sweep; choose another directory with --out"
         raise OutputError(problem) from None
     return header[1:split], rows
 

@@ -32,7 +32,7 @@ def test_run_leaves_its_folder_and_says_so(here: Path) -> None:
     assert tree(folder) == TWO_SAVED
     history = read_history(folder)
     expected = [f"{t} min: V/V0 = {history.at(t).volume_ratio:.6f}" for t in (10, 20)]
-    assert result.stdout.splitlines() == [*expected, "finished, see out/small"]
+    assert result.stdout.splitlines() == [*expected, "finished: reached 20 min; see out/small"]
     assert [profile.time for profile in read_profiles(folder)] == [10, 20]
     for name in ("shapes", "volume"):
         assert (folder / "figures" / f"{name}.png").read_bytes().startswith(PNG)
@@ -96,7 +96,7 @@ def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
     history = read_history(here / "out" / "small")
     for t in (10, 20):
         assert f"{history.at(t).volume_ratio:.6f}" in table
-    assert table.rstrip().endswith("finished, see out/small")
+    assert table.rstrip().endswith("finished: reached 20 min; see out/small")
 
 
 def test_plot_draws_what_is_there(here: Path) -> None:
@@ -206,7 +206,7 @@ def test_a_bad_scene_is_refused_in_a_line(
         (("run", "small.toml", "--out", "small.toml"), ("small.toml", "is a file")),
         (("run", "small.toml", "--out", "small.toml/x"), ("small.toml/x", "is a file")),
         (("run", "small.toml", "--out", "/proc/x"), ("/proc/x", "cannot be written")),
-        (("plot", "nowhere"), ("nowhere", "no scene.toml")),
+        (("plot", "nowhere"), ("nowhere", "no such directory")),
     ],
 )
 def test_bad_arguments_are_refused_in_a_line(
@@ -218,7 +218,7 @@ def test_bad_arguments_are_refused_in_a_line(
 
 def test_the_scene_itself_is_not_overwritten(here: Path) -> None:
     (here / "scene.toml").write_text(SMALL)
-    refused(call("run", "scene.toml", "--out", "."), "its scene.toml is not from a run")
+    refused(call("run", "scene.toml", "--out", "."), "contains a scene.toml that is not from a run")
     assert (here / "scene.toml").read_text() == SMALL
 
 

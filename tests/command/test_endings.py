@@ -34,7 +34,7 @@ def test_a_lost_equilibrium_exits_3_with_all_results(here: Path) -> None:
     result = call("run", "small.toml", *late)
     assert result.exit_code == 3
     assert "no equilibrium" in result.stderr and result.stderr.count("\n") == 1
-    assert result.stdout.splitlines()[-1] == "no-equilibrium, see out/small"
+    assert result.stdout.splitlines()[-1] == "no-equilibrium; see out/small"
     folder = here / "out" / "small"
     assert tree(folder) == TWO_SAVED
     assert read_summary(folder).status == "no-equilibrium"

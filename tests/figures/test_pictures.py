@@ -83,7 +83,7 @@ def test_an_animation_shows_the_cell_at_every_frame(
 
 
 def test_only_a_run_in_time_is_animated(tmp_path: Path, elastic_scene: Scene) -> None:
-    with pytest.raises(AnimationError, match="only a run in time can"):
+    with pytest.raises(AnimationError, match="requires a run in time"):
         animation.animate(tmp_path, elastic_scene, end=0.0)
     with Job(tmp_path / "static", elastic_scene) as job:
         job.complete(job.run())

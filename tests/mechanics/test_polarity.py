@@ -224,7 +224,7 @@ def test_growth_at_the_tip_is_the_same_on_one_and_three_ranks(whole, mpirun):
         ('{ width = 1, follow = "nose" }', ["polarity.follow", '"point", "tip"']),
         ('{ width = 1, pole = "top", centre = 3 }', ["polarity.centre = 3", "either pole or"]),
         ('{ width = 1, centre = 3, follow = "tip" }', ["polarity.centre", "the tip is a pole"]),
-        ("{ width = 1, centre = 9 }", ["polarity.centre = 9", "the meridian ends at 7.85398 µm"]),
+        ("{ width = 1, centre = 9 }", ["polarity.centre = 9", "meridian's length (7.85398 µm)"]),
     ],
 )
 def test_invalid_polarity_is_reported_on_one_line(polarity, said):

@@ -75,7 +75,7 @@ def test_a_cylinder_of_two_moduli_has_the_membrane_solution():
     zone = {"from_fraction": 0.5, "to_fraction": 1.0, "modulus_factor": factor}
     scene = BALLOON_SCENE.with_values(
         {
-            "cell": {"shape": "cylinder", "diameter": 2 * R, "length": 12.0, "edge": "axial"},
+            "cell": {"shape": "cylinder", "diameter": 2 * R, "length": 12.0, "edge": "sliding"},
             "wall.thickness": h,
             "turgor.pressure": p,
             "wall.zone": [zone],
@@ -132,7 +132,10 @@ def test_zones_of_the_wall_survive_a_round_trip_through_toml(coarse):
         ({"from": 1, "to": 2}, ["wall.zone[0] = ", "a thickness, a shear_modulus or a modulus"]),
         ({"from": 1, "thickness": 0.2}, ["wall.zone[0].to is missing"]),
         ({"from": 1, "to": 2, "thickness": 3}, ["wall.zone[0].thickness = 3", "radius (2.5 µm)"]),
-        ({"from": 1, "to": 9, "thickness": 0.2}, ["wall.zone[0]", "ends at 7.85398 µm"]),
+        (
+            {"from": 1, "to": 9, "thickness": 0.2},
+            ["wall.zone[0]", "meridian's length (7.85398 µm)"],
+        ),
         (
             {"from": 1, "to": 2, "shear_modulus": 3, "modulus_factor": 3},
             ["wall.zone[0].modulus_factor = 3", "either shear_modulus or modulus_factor"],

@@ -142,10 +142,12 @@ def test_damage_is_reported_with_its_place(tmp_path: Path, scene: Scene) -> None
     (tmp_path / "run.json").write_text("{")
     with pytest.raises(OutputError, match=r"run\.json: damaged"):
         read_summary(tmp_path)
-    with pytest.raises(OutputError, match=r"no history\.csv; not the output directory"):
+    with pytest.raises(OutputError, match=r"elsewhere: no such directory"):
         read_history(tmp_path / "elsewhere")
-    with pytest.raises(OutputError, match=r"no scene\.toml; not the output directory"):
-        read_scene(tmp_path / "elsewhere")
+    (tmp_path / "elsewhere").mkdir()
+    for read, name in ((read_history, "history"), (read_scene, "scene")):
+        with pytest.raises(OutputError, match=rf"no {name}\..*; not the output directory"):
+            read(tmp_path / "elsewhere")
 
 
 def test_a_second_run_replaces_the_first_and_nothing_else(tmp_path: Path, scene: Scene) -> None:
@@ -172,7 +174,7 @@ def test_a_file_of_somebody_else_is_never_overwritten(
     tmp_path: Path, scene: Scene, name: str
 ) -> None:
     (tmp_path / name).write_text("precious")
-    with pytest.raises(OutputError, match=f"its {name} is not from a run"):
+    with pytest.raises(OutputError, match=f"contains a {name} that is not from a run"):
         OutputFolder(tmp_path, scene)
     assert [path.name for path in tmp_path.iterdir()] == [name]
     assert (tmp_path / name).read_text() == "precious"
@@ -182,7 +184,9 @@ def test_an_unwritable_place_is_reported_on_one_line(tmp_path: Path, scene: Scen
     file = tmp_path / "file"
     file.write_text("")
     for place in (file, file / "below"):
-        with pytest.raises(OutputError, match=r"is a file, or lies below one; choose another"):
+        with pytest.raises(
+            OutputError, match=r"must be a directory, but it or .* is a file; choose another"
+        ):
             OutputFolder(place, scene)
     with pytest.raises(OutputError, match=r"^/proc/here: cannot be written: .*; choose another"):
         OutputFolder(Path("/proc/here"), scene)

@@ -39,7 +39,7 @@ def test_lists_of_zones_are_read_written_and_changed():
     ("old", "new", "said"),
     [
         ('to = "2 um"', 'to = "0.5 um"', ["growth[0].zone.to", "must be greater than from (1)"]),
-        ('to = "2 um"', 'to = "8 um"', ["growth[0].zone = ", "the meridian ends at 7.85398 µm"]),
+        ('to = "2 um"', 'to = "8 um"', ["growth[0].zone = ", "meridian's length (7.85398 µm)"]),
         ('to = "2 um"', 'to = "7 um"', ["growth[1].zone = ", "zones must not overlap"]),
         ('to = "2 um"', "half_angle = 3", ["growth[0].zone.", "either pole and half_angle, from"]),
         ('from = "1 um", ', "", ["growth[0].zone.from is missing", "a length >= 0"]),
@@ -49,7 +49,11 @@ def test_lists_of_zones_are_read_written_and_changed():
             ["growth[0].zone = {...}: expected either pole"],
         ),
         ('"top"', '"left"', ['growth[1].zone.pole = "left"', '"top", "bottom", "both"']),
-        ('"10 min"', '"2 h"', ['growth[1].until = "1 h"', "must be later than from (120 min)"]),
+        (
+            '"10 min"',
+            '"2 h"',
+            ['growth[1].until = "1 h"', "must be later than growth.from (120 min)"],
+        ),
         ("time = 30", "tim = 30", ["growth[1].tim", "growth[1].time"]),
         ("threshold = 1\ntime = 45", "time = 45", ["growth[0].threshold is missing", "pressure"]),
     ],
@@ -67,8 +71,8 @@ def test_wrong_zones_are_reported_on_one_line(old, new, said):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ("growth.2.time", "growth.2.time = 3: 2 is not an entry number from 0 to 1"),
-        ("growth.time", "growth.time = 3: time is not an entry number from 0 to 1"),
+        ("growth.2.time", "growth.2.time = 3: 2 must be the number of an entry, from 0 to 1"),
+        ("growth.time", "growth.time = 3: time must be the number of an entry, from 0 to 1"),
     ],
 )
 def test_changes_of_no_entry_are_reported_on_one_line(change, said):

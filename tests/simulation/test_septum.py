@@ -139,8 +139,8 @@ def test_a_state_grown_outside_the_growing_zones_is_refused(bud):
 @pytest.mark.parametrize(
     ("text", "parts"),
     [
-        (BALLOON + "[septum]", ["septum.at is missing", "there is no bud neck"]),
-        (BALLOON + "[septum]\nat = 9", ["septum.at = 9", "ends at 7.85398 µm"]),
+        (BALLOON + "[septum]", ["septum.at is missing", "the cell has no bud neck"]),
+        (BALLOON + "[septum]\nat = 9", ["septum.at = 9", "meridian's length (7.85398 µm)"]),
         (BALLOON + "[septum]\nat = -1", ["septum.at = -1", "> 0"]),
         (BUD + '[septum]\npiece = "left"', ["septum.piece", '"top", "bottom"']),
         (

@@ -173,3 +173,15 @@ def test_a_scene_may_be_given_by_its_file(elastic_scene: Scene, tmp_path: Path) 
     assert found.history.rows == known.history.rows
     with pytest.raises(SceneError, match="no such file"):
         simulate(str(tmp_path / "none.toml"))
+
+
+def test_a_jump_of_the_pressure_takes_an_elastic_cell_from_one_equilibrium_to_the_other(
+    scene: Scene,
+) -> None:
+    jump = {"time": [0, 4, 4], "value": [0.2, 0.2, 0.1]}
+    changes = {"growth": None, "run.save": [4, 8], "turgor.ramp": 0, "turgor.pressure": jump}
+    volumes = simulate(scene.with_values(changes)).history
+    for time, pressure in ((4, 0.2), (8, 0.1)):
+        static = {"growth": None, "run": None, "turgor.pressure": pressure}
+        expected = simulate(scene.with_values(static)).history.volume_ratio[-1]
+        assert volumes.at(time).volume_ratio == pytest.approx(expected, rel=1e-9)

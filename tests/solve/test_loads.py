@@ -77,7 +77,7 @@ def test_path_of_pressure_starts_in_equilibrium_under_a_constant_force(sphere):
     assert result.history.displacement_um[0] == pytest.approx(4e-5 / STIFFNESS, rel=0.1)
 
 
-CYLINDER = {"shape": "cylinder", "diameter": 2 * R, "length": 8.0, "edge": "roller"}
+CYLINDER = {"shape": "cylinder", "diameter": 2 * R, "length": 8.0, "edge": "guided"}
 
 
 @pytest.mark.parametrize("at", [4.0, 2.0])
@@ -169,7 +169,7 @@ def test_pressure_at_a_free_edge_has_a_consistent_tangent(sphere):
         ({"load": None, "path": {"until": {"force": 1.0}}}, "load"),
         ({"path": {"until": {"force": 1.0, "pressure": 1.0}}}, "exactly one of volume_ratio"),
         ({"path": {"until": {"force": 1.0}, "control": "volume"}},
-         'path.control = "volume": a path to a force needs one of "force", "displacement", "arc'),
+         'path.control = "volume": must be one of "force", "displacement", "arc-length"'),
         ({"path": {"until": {"volume_ratio": -1.0}}}, "path.until.volume_ratio = -1.0"),
     ],
 )  # fmt: skip

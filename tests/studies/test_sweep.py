@@ -164,13 +164,17 @@ def test_a_rerun_sweep_skips_finished_cases(here: Path) -> None:
     text = (folders[45] / "scene.toml").read_text()
     (folders[45] / "scene.toml").write_text(text.replace("thickness = 0.1", "thickness = 0.11"))
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
-    assert done.stdout.startswith("1 of 3 cases are already finished\n2/3  growth.time=45")
+    assert done.stdout.startswith(
+        "1 of 3 cases have already ended; skipping them\n2/3  growth.time=45"
+    )
     new = {time: folders[time].joinpath("run.json").stat().st_mtime_ns for time in folders}
     assert new[30] == old[30] and new[45] > old[45]
     assert [row["growth.time"] for row in table(here)] == ["30.0", "45.0", "60.0"]
     folders[60].joinpath("run.json").write_text("{")
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1")
-    assert done.stdout.startswith("2 of 3 cases are already finished\n3/3  growth.time=60")
+    assert done.stdout.startswith(
+        "2 of 3 cases have already ended; skipping them\n3/3  growth.time=60"
+    )
     assert read_summary(folders[60]).status == "finished"
 
 
@@ -184,7 +188,7 @@ def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
     assert done.stderr == "error: 1 of 3 cases failed; the first is growth.time=45\n"
     rows = table(here)
     assert [row["status"] for row in rows] == ["finished", "failed", "finished"]
-    assert "its history.csv is not from a run" in rows[1]["message"]
+    assert "contains a history.csv that is not from a run" in rows[1]["message"]
     assert (blocked / "history.csv").read_text() == "precious"
 
 

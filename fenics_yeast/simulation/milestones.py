@@ -1,0 +1,59 @@
+"""Times at which steps must end: kinks of the pressure, switches of growth, saved times."""
+
+from bisect import bisect_left
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ..scene import PressureTable, Scene
+from ..solve import StepController, same_time
+
+_FIRST_STEP = 1e-3  # of the characteristic growth time, where steps are adaptive
+_PARTS = 4  # of a change of pressure, in which growth may begin unseen by estimates of errors
+
+
+def switches(scene: Scene) -> list[float]:
+    """Return the times in min at which growth begins or ends in a zone."""
+    return sorted(time for zone in scene.growing for time in zone.span)
+
+
+def kinks(scene: Scene) -> list[float]:
+    """Return the times in min at which the pressure's slope changes, or growth switches."""
+    pressure, end = scene.turgor.pressure, scene.run.end if scene.run else 0.0
+    times = pressure.ramps[0] if isinstance(pressure, PressureTable) else ()
+    inside = (t for t in (*times, *switches(scene)) if 0 < t < end)
+    return sorted([min(scene.turgor.ramp, end), *inside])
+
+
+def step_controller(
+    scene: Scene, pressure: Callable[[float], float], estimate_order: int
+) -> StepController:
+    """Return the control of fixed steps, or of steps that follow the estimated error of growth.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    pressure
+        Turgor in MPa as a function of time in min.
+    estimate_order
+        Order of the method's estimated error.
+    """
+    run, numerics, growth_time = scene.run, scene.numerics, scene.growth_time
+    places = kinks(scene)
+    milestones = [] if run is None else [*places, *run.save, run.end]
+    if numerics.step is not None:
+        return StepController(milestones, numerics.step, None)
+    for start, end in pairwise([0.0, *places]):
+        if pressure(start) != pressure(end):
+            milestones += list(np.linspace(start, end, _PARTS + 1))
+    if growth_time is None:
+        return StepController(milestones, max(milestones, default=0.0) / 100, None)
+    return StepController(milestones, _FIRST_STEP * growth_time, estimate_order)
+
+
+def among(time: float, times: Sequence[float]) -> bool:
+    """Whether a time is one of some increasing ones."""
+    after = bisect_left(times, time)
+    return any(same_time(time, other) for other in times[max(0, after - 1) : after + 1])

@@ -1,0 +1,131 @@
+"""Why a run ends: limit forces, walls without stiffness, walls that touch themselves."""
+
+import numpy as np
+import pytest
+
+from fenics_yeast import Scene, simulate
+from fenics_yeast.scene import LinearWall, Wall
+from fenics_yeast.simulation.contact import touches_itself
+from fenics_yeast.simulation.softening import softest_stretch
+
+SPHERE = """
+[cell]
+shape = "sphere"
+diameter = 5.0
+[wall]
+thickness = 0.1
+{material}
+[turgor]
+pressure = {pressure}
+[load]
+point_force = {force}
+"""
+OGDEN, LINEAR = "shear_modulus = 40.0", 'law = "linear"\nyoung_modulus = 120.0\npoisson_ratio = 0.3'
+
+
+def pressed(material: str, pressure: float, force: float, path: str = "") -> Scene:
+    return Scene.from_toml(SPHERE.format(material=material, pressure=pressure, force=force) + path)
+
+
+CAP = """
+[cell]
+shape = "cap"
+radius = 5.0
+half_angle = 20.0
+edge = "hinged"
+[wall]
+thickness = 0.05
+shear_modulus = 40.0
+[turgor]
+pressure = {pressure}
+[load]
+point_force = -10.0
+"""
+
+
+@pytest.mark.parametrize("pressure", [0.0, 0.01])
+def test_a_force_beyond_its_limit_is_named_with_the_limit_that_a_path_finds(
+    pressure: float,
+) -> None:
+    scene = Scene.from_toml(CAP.format(pressure=pressure))
+    path = {"path": {"until": {"displacement": -0.5}, "steps": 100}}
+    force = simulate(scene.with_values(path)).history.force_uN
+    turn = next(i for i in range(99) if abs(force[i + 1]) < abs(force[i]))
+    result = simulate(scene)
+    assert (result.status, len(result.history)) == ("no-equilibrium", 0)
+    assert "limit force exceeded" in result.message and "touched" not in result.message
+    named = float(result.message.split("(")[1].split()[0])
+    assert named == pytest.approx(force[turn], rel=5e-3)
+
+
+def test_a_pressure_beyond_its_limit_is_named_under_a_force_too() -> None:
+    result = simulate(pressed(OGDEN, 50.0, -0.01))
+    assert result.status == "no-equilibrium"
+    assert "limit pressure exceeded" in result.message
+
+
+def test_a_linear_wall_crushed_by_a_force_has_no_stiffness() -> None:
+    """Its least stretch at the last point of the path is below 1/√3; an Ogden wall has none."""
+    until = "[path]\nuntil = { displacement = -1.0 }"
+    result = simulate(pressed(LINEAR, 0.2, -1.0, until))
+    assert result.status == "no-equilibrium"
+    assert "a linear wall has no stiffness" in result.message
+    last = result.profiles.all[-1]
+    assert np.exp(last.strain.min()) < 3**-0.5
+    assert simulate(pressed(OGDEN, 0.2, -1.0, until)).status == "finished"
+
+
+def test_a_linear_wall_softens_at_one_over_the_root_of_three() -> None:
+    """Where the other direction is not strained, whatever Poisson's ratio."""
+    wall = LinearWall(law="linear", thickness=0.1, young_modulus=100.0, poisson_ratio=0.3)
+    for part, soft in ((1 + 1e-9, False), (1 - 1e-9, True)):
+        strain = np.array([[np.log(3**-0.5 * part), 0.0], [0.0, 0.0]])
+        found = softest_stretch(wall, strain)
+        assert (found is not None) == soft
+        assert found is None or found == pytest.approx(3**-0.5)
+        assert softest_stretch(Wall(thickness=0.1, shear_modulus=40.0), strain) is None
+    # Stretch in the other direction stiffens it: ν E2 = 0.3 makes up for (3 λ1² - 1)/2 = -0.3.
+    strain = np.log([(0.4 / 3) ** 0.5, 3**0.5])
+    assert softest_stretch(wall, strain * (1 - 1e-6, 1 + 1e-6)) is None
+    assert softest_stretch(wall, strain * (1 + 1e-6, 1 - 1e-6)) is not None
+
+
+def test_poles_that_pass_each_other_are_reported_or_end_the_path() -> None:
+    scene = pressed(OGDEN, 0.0, -0.1, "[path]\nuntil = { displacement = -5.5 }\nsteps = 55")
+    result = simulate(scene)
+    # The poles are 5 - 0.1 n µm apart, the wall is 0.1 µm thick.
+    assert any("touches itself from a displacement of -5 µm" in text for text in result.warnings)
+    stopped = simulate(scene.with_values({"path.stop_at_contact": True}))
+    assert (stopped.status, stopped.warnings) == ("finished", ())
+    assert stopped.history.displacement_um[-1] == pytest.approx(-5.0)
+    assert "touches itself" in stopped.message
+
+
+def test_no_sound_wall_touches_itself() -> None:
+    assert simulate(pressed(OGDEN, 0.2, -0.1)).warnings == ()
+
+
+HALF = np.linspace(0, np.pi, 41)
+SIN, COS = 2.5 * np.sin(HALF), -2.5 * np.cos(HALF)
+
+
+@pytest.mark.parametrize(("depth", "touches"), [(0, False), (2, False), (3, False), (4.95, True)])
+def test_a_sphere_dented_up_to_its_other_pole(depth: float, touches: bool) -> None:
+    """The cap above a plane reflected at it: the poles are 5 - depth µm apart."""
+    plane = 2.5 - depth / 2
+    z = np.where(COS > plane, 2 * plane - COS, COS)
+    assert touches_itself(SIN, z, 0.1) == touches
+
+
+@pytest.mark.parametrize(("radius", "touches"), [(0.04, True), (0.06, False)])
+def test_a_neck_closes_where_its_radius_is_half_the_thickness(radius: float, touches: bool) -> None:
+    neck = SIN * (1 - (1 - radius / 2.5) * np.exp(-((COS / 0.3) ** 2)))
+    assert touches_itself(neck, COS, 0.1) == touches
+    tube = np.full(20, radius)
+    assert touches_itself(tube, np.linspace(0, 5, 20), 0.1, (False, False)) == touches
+
+
+def test_sides_that_cross_between_nodes_are_seen() -> None:
+    loop_r = np.array([5.0, 3.0, 2.0, 3.0, 5.0])
+    loop_z = np.array([0.0, 2.0, 1.0, 0.0, 2.0])
+    assert touches_itself(loop_r, loop_z, 0.01, (False, False))
