@@ -68,13 +68,33 @@ def held(place: Path) -> Iterator[None]:
 
 
 def _remove_unfinished(place: Path) -> None:
-    names = set(os.listdir(place))
+    """Remove what an abandoned compilation, a full disk or a damaged one has left."""
+    with os.scandir(place) as entries:
+        sizes = {entry.name: (entry.stat().st_size, entry.stat().st_mtime_ns) for entry in entries}
     suffix = f".{sysconfig.get_config_var('SOABI')}.so"
-    for name in names:
+    for name in sizes:
         module, extension = os.path.splitext(name)
-        if extension == ".c" and not {f"{name}.cached", module + suffix} <= names:
-            for rest in (name, f"{name}.cached"):
+        library = module + suffix
+        whole = library in sizes and is_whole(place / library, *sizes[library])
+        if extension == ".c" and not (whole and f"{name}.cached" in sizes):
+            for rest in (name, f"{name}.cached", library):
                 (place / rest).unlink(missing_ok=True)
+
+
+@cache
+def is_whole(library: Path, size: int, changed: int) -> bool:
+    """Whether a shared library of a size in bytes, last changed at a time in ns, is complete.
+
+    To load one that was cut short would end the process. An ELF file ends with the table to which
+    its header points.
+    """
+    with open(library, "rb") as file:
+        header = file.read(64)
+    if len(header) < 64 or header[:4] != b"\x7fELF":
+        return False
+    start = int.from_bytes(header[40:48], sys.byteorder)
+    entry, number = (int.from_bytes(header[i : i + 2], sys.byteorder) for i in (58, 60))
+    return 0 < start + entry * number <= size
 
 
 def compiler_error(place: Path, error: Exception) -> CompilerError:

@@ -93,9 +93,14 @@ def _cache() -> Finding:
     from .. import _form_cache
 
     place = _form_cache.folder()
-    files = [path for path in place.rglob("*.so") if path.is_file()]
-    size = sum(path.stat().st_size for path in files) / 1e6
-    return Finding("form cache", f"{place}, {len(files)} compiled forms, {size:.1f} MB")
+    files = {path: path.stat() for path in place.rglob("*.so") if path.is_file()}
+    size = sum(stat.st_size for stat in files.values()) / 1e6
+    damaged = sum(
+        not _form_cache.is_whole(path, stat.st_size, stat.st_mtime_ns)
+        for path, stat in files.items()
+    )
+    note = f"; {damaged} damaged, which the next run compiles again" if damaged else ""
+    return Finding("form cache", f"{place}, {len(files)} compiled forms, {size:.1f} MB{note}")
 
 
 def _trial() -> Iterator[Finding]:

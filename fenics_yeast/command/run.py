@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from ..output import Job, Screen
+from ..output import SHAPES, VOLUME, Job, Screen, failed_figures
 from ..scene import Scene
 from ..simulation import Result
 
@@ -27,11 +27,16 @@ def run_completely(
         If figures or error bars are interrupted; only those are missing then.
     """
     with Job(path, scene, screen=screen, began=began, resume=resume) as job:
-        if job.ended is not None and (job.ended.error_bars or not with_error_bars):
+        ended = job.ended
+        if ended is not None and (ended.error_bars or not with_error_bars):
             job.note_ended()
-            return job.ended
+            if job.comm.rank == 0 and _lacks_figures(path, scene):
+                failed = failed_figures(path, lambda: _draw(path, scene, ended))
+                if failed is not None and failed not in ended.warnings:
+                    return replace(ended, warnings=(*ended.warnings, failed))
+            return ended
         result = job.run()
-        job.complete(result, lambda: _draw(path, scene, result))
+        result = job.complete(result, lambda: _draw(path, scene, result))
         if not with_error_bars or result.status == "interrupted":
             return result
 
@@ -45,8 +50,13 @@ def run_completely(
             return replace(result, error_bars=bars)
 
         full = job.extend(result, refined, "error bars")
-        job.complete(full, lambda: _draw(path, scene, full))
-        return full
+        return job.complete(full, lambda: _draw(path, scene, full))
+
+
+def _lacks_figures(path: Path, scene: Scene) -> bool:
+    """Whether a run has ended without its figures, as on a full disk."""
+    names = [SHAPES] if scene.run is None and scene.path is None else [SHAPES, VOLUME]
+    return not all((path / name).exists() for name in names)
 
 
 def _draw(path: Path, scene: Scene, result: Result) -> None:

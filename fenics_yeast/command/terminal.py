@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from math import isnan
 from typing import TYPE_CHECKING, Self
 
@@ -20,6 +18,7 @@ class Lines:
     def __init__(self, scene: Scene) -> None:
         self._in_time = scene.run is not None
         self._row: Row | None = None
+        self._printed: Row | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -34,8 +33,12 @@ class Lines:
     def saved(self, profile: Profile) -> None:
         """Print the line."""
         if self._row is not None:
-            when = f"{profile.time:g} min: " if self._in_time else ""
-            print_line(f"{when}V/V0 = {self._row.volume_ratio:.6f}")
+            self._print(self._row)
+
+    def _print(self, row: Row) -> None:
+        when = f"{row.time_min:g} min: " if self._in_time else ""
+        print_line(f"{when}V/V0 = {row.volume_ratio:.6f}")
+        self._printed = row
 
     def resumed(self, row: Row, rows: int) -> None:
         """Print where the run resumes."""
@@ -49,7 +52,9 @@ class Lines:
         """Print nothing."""
 
     def summary(self, result: Result, place: str) -> None:
-        """Print the error bars, how the run ended and its output directory."""
+        """Print the last row unless it has been, error bars, how the run ended and where it is."""
+        if len(result.history) and result.history.rows[-1] != self._printed:
+            self._print(result.history.rows[-1])
         if result.error_bars is not None:
             for cells in [_HEADINGS, *_rows(result.error_bars)]:
                 print_line("  ".join(f"{cell:>16}" for cell in cells))
@@ -76,13 +81,13 @@ class ProgressLine:
         self._scene = scene
         self._console = Console(highlight=False)
         self._end = scene.run.end if scene.run else None
+        self._narrow = self._console.width < _NARROW
+        columns = [SpinnerColumn(), TextColumn("{task.fields[state]}")]
+        if not self._narrow:
+            columns[1:1] = [TextColumn("{task.description}"), BarColumn(bar_width=24)]
+            columns += [TimeRemainingColumn(), TextColumn("{task.fields[left]}")]
         self._progress = Progress(
-            SpinnerColumn(),
-            TextColumn("{task.description}"),
-            BarColumn(bar_width=24),
-            TextColumn("{task.fields[state]}"),
-            TimeRemainingColumn(),
-            TextColumn("{task.fields[left]}"),
+            *columns,
             console=self._console,
             transient=True,
             speed_estimate_period=600,
@@ -98,10 +103,12 @@ class ProgressLine:
 
     def accepted(self, row: Row) -> None:
         """Show an accepted state."""
-        time, left, state = row.time_min, "", f"V/V0 = {row.volume_ratio:.4f}"
-        if self._end is not None:
-            left, state = "left", f"{time:.1f} of {self._end:g} min   {state}"
-        self._progress.update(self._task, total=self._end, completed=time, state=state, left=left)
+        time, end, left, state = row.time_min, self._end, "", f"V/V0 = {row.volume_ratio:.4f}"
+        if end is not None:
+            left, state = "left", f"{time:.1f} of {end:g} min   {state}"
+        self._progress.update(self._task, total=end, completed=time, state=state, left=left)
+        if end is not None and time >= end:
+            self._wait(state, "drawing figures")
 
     def saved(self, profile: Profile) -> None:
         """Show nothing; the table at the end has it."""
@@ -117,8 +124,12 @@ class ProgressLine:
 
     def refining(self, part: str) -> None:
         """Show which part is refined for the error bars."""
-        state = f"error bars: {part.replace('_', ' ')} refined"
-        self._progress.update(self._task, total=None, state=state, left="")
+        self._wait(f"error bars: {part.replace('_', ' ')} refined")
+
+    def _wait(self, state: str, left: str = "") -> None:
+        """Show what is done in an unknown time."""
+        self._progress.update(self._task, state=state, left=left)
+        self._progress.tasks[0].total = None  # `update` would keep it
 
     def summary(self, result: Result, place: str) -> None:
         """Print a table of the saved times, how the run ended and its output directory."""
@@ -129,32 +140,37 @@ class ProgressLine:
         headings = ["time (min)", "V/V0", "height (µm)"]
         if self._scene.growth is not None:
             headings += ["bud radius (µm)", "neck radius (µm)"]
+        if self._narrow:
+            headings = headings[:2]
         for heading in headings:
             table.add_column(heading, justify="right")
-        for profile in result.profiles:
-            row = result.history.at(profile.time)
+        shown = [result.history.at(profile.time) for profile in result.profiles]
+        if len(result.history) and result.history.rows[-1] not in shown:
+            shown.append(result.history.rows[-1])
+        for row in shown:
             lengths = (row.pole_height_um, row.bud_radius_um, row.neck_radius_um)
             cells = [
-                f"{profile.time:.4g}",
+                f"{row.time_min:.4g}",
                 f"{row.volume_ratio:.6f}",
                 *map("{:.3f}".format, lengths),
             ]
             table.add_row(*cells[: len(headings)])
         self._console.print(table)
         if result.error_bars is not None:
-            table = Table(*_HEADINGS, title="errors of V/V0", box=box.SIMPLE_HEAD, pad_edge=False)
-            for column in table.columns:
-                column.justify = "right"
+            places = (0, -1) if self._narrow else range(len(_HEADINGS))
+            table = Table(title="errors of V/V0", box=box.SIMPLE_HEAD, pad_edge=False)
+            for i in places:
+                table.add_column(_HEADINGS[i], justify="right")
             for cells in _rows(result.error_bars):
-                table.add_row(*cells)
+                table.add_row(*(cells[i] for i in places))
             self._console.print(table)
             if result.error_bars.message:
                 self._console.print(result.error_bars.message)
-        self._console.print(_ending(result, place))
-        for warning in result.warnings:
-            self._console.print(f"warning: {warning}")
+        for line in (_ending(result, place), *map("warning: {}".format, result.warnings)):
+            self._console.print(line, markup=False, soft_wrap=True)
 
 
+_NARROW = 72  # columns of a terminal that fewer columns of a table fit
 _HEADINGS = ("time (min)", "time steps", "mesh", "integration points", "shear penalty", "total")
 
 
@@ -175,9 +191,5 @@ def _rows(bars: ErrorBars) -> Iterator[list[str]]:
 
 
 def print_line(line: str) -> None:
-    """Print at once; a closed pipe does not end the run."""
-    try:
-        print(line, flush=True)
-    except BrokenPipeError:
-        # Python would report it again when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    """Print at once."""
+    print(line, flush=True)

@@ -8,9 +8,9 @@ from .curves import LOST, Curve, pressures, volumes
 from .paraview import write_surfaces
 from .run_figures import draw
 from .shapes import shapes
-from .style import COLOURS, curve_axes, figure_of, minutes, place
+from .style import COLOURS, curve_axes, figure_of, minutes, place, plain
 
 __all__ = [
     "COLOURS", "LOST", "AnimationError", "Curve", "animate", "curve_axes", "draw", "figure_of",
-    "minutes", "place", "pressures", "shapes", "volumes", "write_surfaces",
+    "minutes", "place", "plain", "pressures", "shapes", "volumes", "write_surfaces",
 ]  # fmt: skip

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..output import GIF, MP4
 from ..scene import Scene
 from ..simulation import Profile, Result
 from .curves import smooth
@@ -78,12 +79,12 @@ def animate(
         raise AnimationError(f"{directory}: {result.message}")
     figures = directory / "figures"
     figures.mkdir(parents=True, exist_ok=True)
-    made = [figures / "film.gif"]
+    made = [directory / GIF]
     shown = result.profiles.all
     thickness = scene.wall.thickness
     _save(made[0], GifWriter(_RATE, _HOLD), shown, result, thickness, progress)
     if FFMpegWriter.isAvailable():
-        made.append(figures / "film.mp4")
+        made.append(directory / MP4)
         options = ["-pix_fmt", "yuv420p", "-movflags", "+faststart"]
         writer = FFMpegWriter(_RATE, codec="libx264", extra_args=options)
         shown = (*shown, *[shown[-1]] * round(_HOLD * _RATE))

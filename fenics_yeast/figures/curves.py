@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..geometry import Array
 from ..scene import Scene
 from ..simulation import ErrorBars, History, Status
-from .style import COLOURS, FINER, curve_axes, minutes, spread
+from .style import COLOURS, FINER, curve_axes, minutes, plain, spread
 from .wall_fields import hermite
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def volume(
         axes.plot(
             history.time_min[saved], history.volume_ratio[saved], "o", color=COLOURS[0], ms=4.5
         )
-        axes.set_title(curve.label)
+        axes.set_title(plain(curve.label))
         if error_bars is not None:
             _draw_band(axes, history, error_bars)
 
@@ -76,7 +76,7 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str =
     with _volume_axes(path) as axes:
         for curve, colour in zip(curves, colours, strict=True):
             _draw_volume(axes, curve, colour, note=len(curves) <= len(COLOURS))
-        axes.set_title(title)
+        axes.set_title(plain(title))
         _explain(axes, curves, heading, "upper left")
 
 
@@ -86,7 +86,7 @@ def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str
         for curve, colour in zip(curves, _colours(len(curves)), strict=True):
             V, p = curve.history.volume_ratio, curve.history.pressure_MPa
             _draw_path(axes, V, p, curve.history.stable, colour, curve.label)
-        axes.set_title(title)
+        axes.set_title(plain(title))
         _explain(axes, curves, heading, "lower right")
 
 
@@ -102,7 +102,7 @@ def equilibrium_path(history: History, scene: Scene, path: Path) -> None:
         _draw_path(axes, x, y, history.stable, COLOURS[0], "stable", unstable)
         if not history.stable.all():
             axes.legend(loc="best" if force else "lower right")
-        axes.set_title(scene.title)
+        axes.set_title(plain(scene.title))
 
 
 @contextmanager
@@ -186,7 +186,7 @@ def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
 def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> None:
     """Draw a curve; mark where its run lost equilibrium and, with a note, when."""
     history = curve.history
-    axes.plot(*smooth(history), color=colour, label=curve.label)
+    axes.plot(*smooth(history), color=colour, label=plain(curve.label))
     if curve.status == "unbounded":
         axes.set_yscale("log")
     if curve.status in LOST and len(history):

@@ -11,7 +11,7 @@ import numpy as np
 from ..geometry import Array, merged
 from ..scene import Scene
 from ..simulation import Profiles
-from .style import figure_of, spread
+from .style import figure_of, plain, spread
 from .wall_fields import mean, zone_numbers
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def meridian(profiles: Profiles, scene: Scene, path: Path) -> None:
         figure.subplots_adjust(0.11, 0.5 / height, 0.78, 1 - 0.3 / height, hspace=0.12)
         _draw(panels[0], profiles, stresses, colours)
         panels[0].set_ylabel("Cauchy stress (MPa)")
-        panels[0].set_title(scene.title)
+        panels[0].set_title(plain(scene.title))
         if grows:
             _draw(panels[1], profiles, [mean(p, p.growth_strain) for p in drawn], colours)
             panels[1].set_ylabel("growth strain")
@@ -78,7 +78,9 @@ def _scale(axes: Axes, stresses: Sequence[Array], scene: Scene) -> None:
     thresholds = {growth.threshold for growth in scene.growing}
     for threshold in thresholds:
         axes.axhline(threshold, color="0.4", lw=0.8, ls=":")
-    axes.set_yscale("symlog", linthresh=2 * max(thresholds), linscale=1.5)
+    linear = 2 * max(thresholds)
+    axes.set_yscale("symlog", linthresh=linear, linscale=1.5)
+    axes.set_ylabel(f"Cauchy stress (MPa)\nlog above {linear:.3g}")
     low = min(0.0, 1.2 * min(float(stress.min()) for stress in stresses))
     high = 1.3 * max(float(stress.max()) for stress in stresses)
     unit = 10.0 ** np.floor(np.log10(max(thresholds)))

@@ -82,7 +82,7 @@ class WallView:
         self._zones, self._thickness = profiles.zones, thickness
         self._half = 1.08 * max(float(p.r.max()) for p in drawn) + thickness
         low, high = min(float(p.z.min()) for p in drawn), max(float(p.z.max()) for p in drawn)
-        margin = 0.05 * (high - low)
+        margin = max(0.05 * (high - low), thickness)
         self._low, self._high = low - margin, high + margin
         self.width, self.height = 2 * self._half, self._high - self._low
         largest = max(float(area_strain(p).max(initial=0.0)) for p in drawn)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -20,7 +21,11 @@ T = TypeVar("T")
 
 # Okabe and Ito's colours, without yellow, which is faint on white.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
+# Whatever a user's matplotlibrc says: TeX and other fonts may be missing.
 STYLE = {
+    "text.usetex": False,
+    "font.family": ["DejaVu Sans"],
+    "mathtext.fontset": "dejavusans",
     "font.size": 9.0,
     "axes.titlesize": 9.0,
     "axes.linewidth": 0.7,
@@ -44,7 +49,8 @@ def figure_of(path: Path, width: float, height: float) -> Iterator[Figure]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with rc_context(STYLE):
+    with rc_context(STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph .* missing")  # of a title in other letters
         figure = Figure(figsize=(width, height))
         FigureCanvasAgg(figure)
         yield figure
@@ -63,6 +69,11 @@ def curve_axes(path: Path, xlabel: str, ylabel: str, left: float = 0.15) -> Iter
         axes.set_ylabel(ylabel)
         axes.grid(True)
         yield axes
+
+
+def plain(text: str) -> str:
+    """Return a user's text such that matplotlib reads no formula in it."""
+    return text.replace("$", r"\$")
 
 
 def place(figure: Figure, x: float, y: float, width: float, height: float) -> Axes:

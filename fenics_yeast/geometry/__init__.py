@@ -3,7 +3,8 @@
 Knows neither scenes nor dolfinx: everything here is NumPy and SciPy.
 """
 
-from .contour import ContourError, read_contour, smooth_contour
+from .contour import Smoothing, describe_smoothing, smooth_contour
+from .contour_file import ContourError, read_contour
 from .curves import NEAR, Array, Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
 from .intervals import Interval, Intervals, apart, edges, merged, neck, polar_extent, within
 from .mesh import Discretisation, place_nodes
@@ -25,9 +26,11 @@ __all__ = [
     "Pole",
     "Poles",
     "Polygon",
+    "Smoothing",
     "Sphere",
     "Straight",
     "apart",
+    "describe_smoothing",
     "edges",
     "merged",
     "neck",

@@ -1,63 +1,36 @@
-"""Contours traced in a microscope: read, checked, and smoothed into a reference meridian."""
+"""Contours traced in a microscope: checked, and smoothed into a reference meridian.
+
+The noise of the points is estimated by generalised cross-validation: P. Craven, G. Wahba, Smoothing
+noisy data with spline functions, Numer. Math. 31 (1979) 377-403.
+"""
 
 import warnings
 from functools import lru_cache
-from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from .contour_file import ContourError
 from .curves import Array, Parametric
 
-_LARGEST_FILE = 10_000_000  # bytes
 _FEWEST, _MOST = 8, 5000  # points
 _DEGREE = 5  # of the spline: its curvature has two continuous derivatives
 _SHARP = 2.0  # least radius of curvature, in tolerances or distances of points
 _NOISE = 4.0  # tolerances by which a point may lie beyond the axis
+_ABOVE_NOISE = 1.4  # tolerance over noise: below it, curvatures follow the noise
+_MORE = 1.25  # from one tolerance to the next, until the curve no longer follows the noise
+_MOST_INCREASES = 9
+_STEADY = 0.1  # relative change of the stress from one tolerance to the next
+_SAFETY = 2.0  # stress error over change of the stress by a tolerance above
+_SPACING = 0.1  # of points, so that scipy's bounds of the smoothing include none and a lot
+_BEYOND, _MOST_FOR_NOISE = 30, 600  # points whose noise is estimated
 _SAMPLES = 1500  # of the smooth curve, in which crossings and kinks are looked for
 
 
-class ContourError(ValueError):
-    """What is wrong with a contour, as the end of a sentence that begins with it."""
-
-
-def read_contour(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Read the points `(r, z)` in µm of a table with the columns ``r,z``.
-
-    Raises
-    ------
-    ContourError
-        If the file cannot be read or is no such table; the message is a sentence of its own.
-    """
-    try:
-        with open(path, "rb") as file:
-            content = file.read(_LARGEST_FILE + 1)
-        if len(content) > _LARGEST_FILE:
-            raise ContourError("is larger than 10 MB; expected a table of points")
-        lines = content.decode("utf-8-sig").splitlines()
-    except FileNotFoundError:
-        raise ContourError(f"no such file beside the scene: {path.absolute()}") from None
-    except (OSError, ValueError) as error:
-        raise ContourError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    rows = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
-    names = [name.strip().lower() for name in rows[0][1].split(",")] if rows else []
-    if not {"r", "z"} <= set(names):
-        raise ContourError('expected a table in µm with the heading "r,z" and one point per line')
-    points = []
-    for number, line in rows[1:]:
-        try:
-            r, z = (float(line.split(",")[names.index(name)]) for name in "rz")
-        except (ValueError, IndexError):
-            raise ContourError(f"line {number}: expected two numbers") from None
-        if not np.isfinite([r, z]).all():
-            raise ContourError(f"line {number}: not finite")
-        points.append((r, z))
-    if not points:
-        raise ContourError("has no points")
-    return tuple(r for r, _ in points), tuple(z for _, z in points)
-
-
 @lru_cache(maxsize=8)
-def smooth_contour(r: tuple[float, ...], z: tuple[float, ...], tolerance: float) -> Parametric:
+def smooth_contour(
+    r: tuple[float, ...], z: tuple[float, ...], tolerance: float | None = None
+) -> Parametric:
     """Fit a meridian to a contour, by a periodic spline through it and its mirror image.
 
     The curve is symmetric about the axis, so that a wall is smooth at its poles. It has as few
@@ -68,16 +41,121 @@ def smooth_contour(r: tuple[float, ...], z: tuple[float, ...], tolerance: float)
     r, z
         Points in µm from the bottom pole to the top pole.
     tolerance
-        Root mean square distance of the points from the curve in µm; 0 interpolates them.
+        Root mean square distance of the points from the curve in µm; 0 interpolates them. By
+        default, a little more than the noise of the points, so that curvatures do not follow it.
 
     Raises
     ------
     ContourError
         If the contour is open, crossing, unordered or kinked.
     """
-    points = np.array([r, z], dtype=float).T
-    points = points[np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))]
+    if tolerance is not None:
+        return _smooth(_points(r, z), tolerance)
+    return _smooth(_points(r, z), tolerance_of(r, z))
+
+
+@lru_cache(maxsize=8)
+def tolerance_of(r: tuple[float, ...], z: tuple[float, ...]) -> float:
+    """Return the default tolerance in µm of a contour.
+
+    Raises
+    ------
+    ContourError
+        If the contour cannot be smoothed.
+    """
+    points = _points(r, z)
+    enough = _FEWEST <= len(points) <= _MOST
+    tolerance, last = _ABOVE_NOISE * _noise(r, z) if enough else 0.0, None
     _check(points, tolerance)
+    for _ in range(_MOST_INCREASES):
+        try:
+            stress = _hoop_resultant(_smooth(points, tolerance))
+        except ContourError:
+            stress = None
+        if last is not None and stress is not None and _change(last, stress) < _STEADY:
+            return tolerance / _MORE
+        last, tolerance = stress, tolerance * _MORE
+    return tolerance / _MORE
+
+
+class Smoothing(NamedTuple):
+    """What smoothing does to a contour.
+
+    Attributes
+    ----------
+    tolerance
+        Root mean square distance of the points from the curve in µm.
+    volume_change
+        Relative change of the volume, from that of the points joined by straight lines.
+    stress_error
+        Estimated error of the membrane stress over its maximum, by a tolerance of 1.4 times.
+    """
+
+    tolerance: float
+    volume_change: float
+    stress_error: float
+
+
+@lru_cache(maxsize=8)
+def describe_smoothing(
+    r: tuple[float, ...], z: tuple[float, ...], tolerance: float | None = None
+) -> Smoothing:
+    """Return what smoothing does to a contour that `smooth_contour` accepts."""
+    tolerance = tolerance_of(r, z) if tolerance is None else tolerance
+    curve, points = smooth_contour(r, z, tolerance), _points(r, z)
+    a, b = points[:-1], points[1:]
+    squares = (a[:, 0] ** 2 + a[:, 0] * b[:, 0] + b[:, 0] ** 2) / 3
+    joined = float(squares @ (b[:, 1] - a[:, 1]))
+    t = np.linspace(0, curve.end, _SAMPLES + 1)
+    radius, slope = curve.point(t, 0)[0], curve.point(t, 1)[1]
+    volume = float((radius**2 * slope)[:-1].sum() * curve.end / _SAMPLES)  # vanishes at the poles
+    try:
+        smoother = _smooth(points, _ABOVE_NOISE * max(tolerance, _noise(r, z)))
+    except ContourError:
+        return Smoothing(tolerance, volume / joined - 1, 1.0)
+    error = _SAFETY * _change(*(_hoop_resultant(each) for each in (curve, smoother)))
+    return Smoothing(tolerance, volume / joined - 1, min(error, 1.0))
+
+
+def _hoop_resultant(curve: Parametric) -> Array:
+    """Return `N_θ/p = R2 (1 - κ1 R2/2)` of a membrane, between the poles."""
+    t = np.linspace(0, curve.end, 402)[1:-1]
+    slope_r, slope_z = curve.point(t, 1)
+    across = curve.point(t, 0)[0] * np.hypot(slope_r, slope_z) / slope_z
+    return np.asarray(across * (1 - curve.curvature_at(t) * across / 2))
+
+
+def _change(one: Array, other: Array) -> float:
+    return float(np.abs(one - other).max() / np.abs(other).max())
+
+
+def _points(r: tuple[float, ...], z: tuple[float, ...]) -> Array:
+    """Return the points without repetitions."""
+    points = np.array([r, z], dtype=float).T
+    return points[np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))]
+
+
+@lru_cache(maxsize=8)
+def _noise(r: tuple[float, ...], z: tuple[float, ...]) -> float:
+    """Return the root mean square residual in µm of smoothing splines that cross-validate."""
+    from scipy.interpolate import make_smoothing_spline  # late, as below
+
+    points = _points(r, z)
+    points = points[:: -(-len(points) // _MOST_FOR_NOISE)]
+    beyond = min(_BEYOND, len(points) - 1)  # points of the mirror image at each pole
+    before, after = points[beyond:0:-1] * (-1, 1), points[-2 : -2 - beyond : -1] * (-1, 1)
+    longer = np.concatenate([before, points, after])
+    steps = _steps(longer)
+    u = np.append(0.0, np.cumsum(steps)) * _SPACING / steps.mean()
+    residuals = [make_smoothing_spline(u, x)(u) - x for x in longer.T]
+    inside = slice(beyond, beyond + len(points))
+    return float(np.sqrt(np.mean(np.square(residuals).sum(axis=0)[inside])))
+
+
+def _smooth(points: Array, tolerance: float) -> Parametric:
+    """Fit a curve to points and check it."""
+    _check(points, tolerance)
+    points = points.copy()
     points[[0, -1], 0] = 0
     curve = _fit(points, tolerance)
     t = np.linspace(0, curve.end, _SAMPLES + 1)
@@ -105,8 +183,9 @@ def _check(points: Array, tolerance: float) -> None:
     if not _FEWEST <= len(points) <= _MOST:
         raise ContourError(f"has {len(points)} points; expected {_FEWEST} to {_MOST}")
     near = max(tolerance, 1e-6 * float(np.ptp(points)))
+    reach = max(near, float(np.median(_steps(points))) / 2)
     for name, r in (("first", abs(points[0, 0])), ("last", abs(points[-1, 0]))):
-        if r > near:
+        if r > reach:
             raise ContourError(
                 f"is open: its {name} point is {r:.3g} µm from the axis; both ends must be at r = 0"
             )

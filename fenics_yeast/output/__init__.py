@@ -4,26 +4,42 @@ Only rank 0 writes. Reading needs no dolfinx.
 """
 
 from .errors import DolfinxMissing, OutputError, RunLost
-from .files import FIGURES, MERIDIAN, SERIES, SHAPES, SURFACES, VOLUME, replace_file, writing
+from .files import (
+    FIGURES,
+    GIF,
+    MERIDIAN,
+    MP4,
+    SERIES,
+    SHAPES,
+    SURFACES,
+    VOLUME,
+    replace_file,
+    writing,
+)  # fmt: skip
 from .interrupts import SIGNALS, interrupt
-from .job import Job, Screen
+from .job import Job, Screen, failed_figures
+from .lock import FolderLock
 from .reading import read_history, read_profiles, read_result, read_scene
 from .summary import Summary, read_summary
 
 __all__ = [
     "FIGURES",
+    "GIF",
     "MERIDIAN",
+    "MP4",
     "SERIES",
     "SHAPES",
     "SIGNALS",
     "SURFACES",
     "VOLUME",
     "DolfinxMissing",
+    "FolderLock",
     "Job",
     "OutputError",
     "RunLost",
     "Screen",
     "Summary",
+    "failed_figures",
     "interrupt",
     "read_history",
     "read_profiles",

@@ -13,6 +13,7 @@ CHECKPOINT = "checkpoint.npz"
 # Made from the others by the figures.
 SHAPES, VOLUME, MERIDIAN = (f"figures/{name}.png" for name in ("shapes", "volume", "meridian"))
 FIGURES = (SHAPES, VOLUME, MERIDIAN)
+ANIMATIONS = GIF, MP4 = "figures/film.gif", "figures/film.mp4"
 SERIES, SURFACES = "surface.pvd", "surface"
 
 

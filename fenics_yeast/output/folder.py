@@ -14,6 +14,7 @@ from ..scene import Scene
 from ..simulation import COLUMNS, Profile, Profiles, Result, Row, Timings
 from .errors import OutputError
 from .files import (
+    ANIMATIONS,
     CHECKPOINT,
     FIGURES,
     HISTORY,
@@ -25,6 +26,7 @@ from .files import (
     replace_file,
     writing,
 )
+from .lock import FolderLock
 from .summary import Summary
 
 if TYPE_CHECKING:
@@ -74,19 +76,23 @@ class OutputFolder:
         self.complete, self.can_resume = False, start is not None
         self._may_write_at = 0.0
         with writing(self.path):
-            if start is None:
-                self._claim()
-            for name in (RUN, *FIGURES, SERIES):  # the end of an earlier run
-                (self.path / name).unlink(missing_ok=True)
-            for surface in (self.path / SURFACES).glob("*.vtu"):
-                surface.unlink()
-            self._begin()
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._lock = FolderLock(self.path)
+            try:
+                if start is None:
+                    self._claim()
+                self._remove_end()
+                self._begin()
+            except BaseException:
+                self._lock.release()
+                raise
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._history.close()
+        self._lock.release()
 
     def accepted(self, row: Row) -> None:
         """Append a row to the history."""
@@ -143,22 +149,32 @@ class OutputFolder:
         self.complete = True
 
     def _claim(self) -> None:
-        """Make the directory, or remove that from which an earlier run could be resumed."""
+        """Remove that from which an earlier run could be resumed."""
         found = [name for name in (SCENE, HISTORY, PROFILES, RUN) if (self.path / name).exists()]
         if found and (SCENE not in found or len(found) == 1):
             raise OutputError(
                 f"{self.path}: contains a {found[0]} that is not from a run; "
                 "choose another directory with --out"
             )
-        self.path.mkdir(parents=True, exist_ok=True)
         for name in (CHECKPOINT, PROFILES):  # the checkpoint first: it requires the others
             (self.path / name).unlink(missing_ok=True)
+
+    def _remove_end(self) -> None:
+        """Remove what was written at the end of an earlier run, and drawn of it since."""
+        for name in (RUN, SERIES, *FIGURES, *ANIMATIONS):
+            (self.path / name).unlink(missing_ok=True)
+        for figure in FIGURES:
+            (self.path / figure).with_suffix(".pdf").unlink(missing_ok=True)
+        for surface in (self.path / SURFACES).glob("*.vtu"):
+            surface.unlink()
 
     def _ensure_present(self) -> None:
         """Make the directory again if it has been removed."""
         if not (self.path / HISTORY).exists():
             self._history.close()
+            self._lock.release()
             self.path.mkdir(parents=True, exist_ok=True)
+            self._lock = FolderLock(self.path)
             self._begin()
 
     def _begin(self) -> None:

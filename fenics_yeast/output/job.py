@@ -51,6 +51,21 @@ class Screen(Observer, Protocol):
         """Show that a run is repeated with one part refined, for the error bars."""
 
 
+def failed_figures(directory: Path, make: Callable[[], object]) -> str | None:
+    """Make the figures of an output directory; return a warning if that fails."""
+    try:
+        with writing(directory):
+            make()
+    except OutputWriteError as error:
+        reason = error.problem
+    except Exception as error:  # a library, a font, a user's settings of matplotlib
+        reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
+    else:
+        return None
+    command = f"fenics-yeast plot {quote(str(directory))}"
+    return f"figures are missing ({reason}); to create them, run: {command}"
+
+
 class Job:
     """A run of a scene into an output directory: a context manager, entered on every rank.
 
@@ -169,8 +184,10 @@ class Job:
         self._finish(result)
         return result
 
-    def complete(self, result: Result, make: Callable[[], object] | None = None) -> None:
-        """Let interrupts act again, and make on rank 0 what may be interrupted.
+    def complete(self, result: Result, make: Callable[[], object] | None = None) -> Result:
+        """Let interrupts act again, and make on rank 0 what may be interrupted or fail: figures.
+
+        Returns the result, on rank 0 with a warning if `make` failed.
 
         Raises
         ------
@@ -179,17 +196,21 @@ class Job:
             what `make` makes.
         """
         if self._folder is None:
-            return
-        began = perf_counter()
+            return result
+        began, failed = perf_counter(), None
         try:
             self.interrupts.release()
-            if make is not None:
-                with writing(self.path):
-                    make()
+            failed = None if make is None else failed_figures(self.path, make)
         except KeyboardInterrupt:
             if result.status != "interrupted":
                 raise
-        self._finish(result, perf_counter() - began)
+        if failed is None:
+            self._finish(result, perf_counter() - began)
+            return result
+        result = replace(result, warnings=(*result.warnings, failed))
+        with suppress(OutputError):  # as on a full disk; the summary was written before
+            self._finish(result, perf_counter() - began)
+        return result
 
     def extend(self, result: Result, compute: Callable[[], Result], what: str) -> Result:
         """Add to a result what takes further runs, on all ranks, and write it.
@@ -307,8 +328,6 @@ class Job:
         """What to do when the directory can no longer be written; in the summary, if it can be."""
         if self._folder is None:
             return "fix this, then rerun the scene"
-        if self._folder.complete:
-            return f"to create missing figures, run: fenics-yeast plot {quote(str(self.path))}"
         with suppress(OutputError):
             result = self._ended_early("failed", error.problem)
             self._folder.summarise(result, self._whole(result.timings))

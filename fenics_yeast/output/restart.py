@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..scene import Run, Scene, SceneError, flatten
-from ..simulation import ANSWERS, Checkpoint, CheckpointError, Result, ResumePoint
+from ..simulation import ANSWERS, Checkpoint, CheckpointError, Digest, Result, ResumePoint
 from ..solve import same_time
 from .errors import OutputError
 from .files import CHECKPOINT, HISTORY, PROFILES
@@ -93,15 +93,15 @@ def _start(directory: Path, checkpoint: Checkpoint) -> ResumePoint:
     recorder = checkpoint.recorder
     rows = read_history(directory).rows[: recorder.rows]
     profiles = read_profiles(directory).all[: recorder.profiles]
-    missing = None
-    if len(rows) < recorder.rows or rows[-1].time_min != checkpoint.stepper.time:
-        missing = f"row {recorder.rows} of {HISTORY}"
+    problem = None
+    if len(rows) < recorder.rows:
+        problem = f"row {recorder.rows} of {HISTORY} is missing"
+    elif Digest(rows).text != recorder.digest:
+        problem = f"{HISTORY} was changed"
     elif len(profiles) < recorder.profiles:
-        missing = f"profile {recorder.profiles} of {PROFILES}"
-    if missing is not None:
-        raise OutputError(
-            f"{directory}: cannot resume: {missing} is missing or was changed; {FROM_START}"
-        )
+        problem = f"profile {recorder.profiles} of {PROFILES} is missing"
+    if problem is not None:
+        raise OutputError(f"{directory}: cannot resume: {problem}; {FROM_START}")
     return ResumePoint(checkpoint, tuple(rows), tuple(profiles))
 
 

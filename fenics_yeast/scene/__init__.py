@@ -10,6 +10,7 @@ from .keys import fields_of, flatten, keys_of, parse_assignment, parse_value, un
 from .loads import Load, PressureTable, Septum, Turgor
 from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from .precision import SHARES, Meridian, estimate_errors
+from .profile_cell import ProfileCell
 from .run import Control, Run, StaticPath, Until
 from .scene import Scene
 from .units import Unit
@@ -19,7 +20,8 @@ from .zone import Zone
 __all__ = [
     "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "Geometry", "Grading", "Growth",
     "Integrator", "LinearWall", "Load", "Meridian", "Numerics", "OgdenWall", "Polarity",
-    "Preset", "PressureTable", "Run", "Scene", "SceneError", "Septum", "StaticPath", "Turgor",
-    "Unit", "Until", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of", "flatten",
-    "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of", "value_text",
+    "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
+    "Turgor", "Unit", "Until", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
+    "flatten", "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of",
+    "value_text",
 ]  # fmt: skip

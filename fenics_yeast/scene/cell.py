@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -14,30 +13,26 @@ from pydantic import (
     Tag,
     ValidationInfo,
     field_validator,
-    model_validator,
 )
-from pydantic_core import PydanticCustomError
 
 from ..geometry import (
     Cap,
     Capsule,
-    ContourError,
     Curve,
     Edge,
     End,
     Pole,
     Sphere,
     Straight,
-    read_contour,
-    smooth_contour,
     spheroid,
 )
 from .errors import BRANCH, SceneError, refusal
-from .table import ListOf, Table
-from .units import LENGTH, Angle, Length
+from .profile_cell import ProfileCell
+from .shape import SHAPE, Round, Shape
+from .table import Table
+from .units import Angle, Length
 
 _SLENDEREST = 1000.0  # length of a capsule over its diameter
-_SHAPE: Any = Field(description="shape of the mid-surface")
 _EDGE = (
     "constrained: clamped (displacement and rotation), hinged (displacement), guided (axial "
     "displacement and rotation) or sliding (axial displacement)"
@@ -56,66 +51,20 @@ _Edge = Annotated[Edge, BeforeValidator(_not_renamed)]
 _InnerEdge = Annotated[Literal[Edge, "free"], BeforeValidator(_not_renamed)]
 
 
-class _Shape(Table):
-    """Keys and properties that all shapes share.
-
-    Each has a `radius`, the size of the cell, and a `least_radius` of curvature or of an edge, both
-    in µm.
-    """
-
-    poles: ClassVar[tuple[Pole, ...]] = ("top", "bottom")
-    shape: str = _SHAPE
-
-    @property
-    def curve(self) -> Curve:
-        """Meridian of the unloaded cell."""
-        raise NotImplementedError
-
-    @property
-    def ends(self) -> tuple[End, End]:
-        """What the lower and the upper end of the meridian are."""
-        return "pole", "pole"
-
-    @property
-    def layers(self) -> int:
-        """Number of places with a boundary layer: edges, and jumps of the curvature."""
-        return sum(end != "pole" for end in self.ends) + len(self.curve.joints)
-
-    @property
-    def closed(self) -> bool:
-        """Whether the mid-surface has no edge."""
-        return self.ends == ("pole", "pole")
-
-
-class _Round(_Shape):
-    """A shape whose size is a diameter."""
-
-    diameter: Length = Field(gt=0, description="largest diameter of the mid-surface (µm)")
-
-    @property
-    def radius(self) -> float:
-        """Radius of the mid-surface (µm)."""
-        return self.diameter / 2
-
-    @property
-    def least_radius(self) -> float:
-        return self.radius
-
-
-class SphereCell(_Round):
+class SphereCell(Round):
     """A sphere."""
 
-    shape: Literal["sphere"] = _SHAPE
+    shape: Literal["sphere"] = SHAPE
 
     @property
     def curve(self) -> Curve:
         return Sphere(self.radius)
 
 
-class SpheroidCell(_Round):
+class SpheroidCell(Round):
     """A spheroid: an ellipse rotated about the axis."""
 
-    shape: Literal["spheroid"] = _SHAPE
+    shape: Literal["spheroid"] = SHAPE
     height: Length = Field(gt=0, description="distance between the poles (µm)")
 
     @property
@@ -129,10 +78,10 @@ class SpheroidCell(_Round):
         return spheroid(self.radius, self.height / 2)
 
 
-class CapsuleCell(_Round):
+class CapsuleCell(Round):
     """A cylinder with a hemisphere at each end, as a cell of fission yeast."""
 
-    shape: Literal["capsule"] = _SHAPE
+    shape: Literal["capsule"] = SHAPE
     length: Length = Field(gt=0, description="distance between the poles (µm)")
 
     @field_validator("length")
@@ -150,76 +99,11 @@ class CapsuleCell(_Round):
         return Capsule(self.radius, self.length - self.diameter)
 
 
-class ProfileCell(_Shape):
-    """A smoothed contour, read from a file once and kept as points."""
-
-    shape: Literal["profile"] = _SHAPE
-    file: str | None = Field(
-        default=None,
-        description="CSV file with the columns r and z (µm), beside the scene; read once",
-    )
-    tolerance: Length = Field(
-        default=0.02,
-        ge=0,
-        description="root mean square distance between points and smoothed curve (µm)",
-    )
-    r: ListOf[Length] = Field(
-        default=(), description="distances of the points from the axis, instead of a file (µm)"
-    )
-    z: ListOf[Length] = Field(
-        default=(), description="heights of the points, from bottom to top (µm)"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any, info: ValidationInfo) -> Any:
-        """Replace the name of a file by its points, so that the scene needs no other file."""
-        if not isinstance(data, Mapping) or not isinstance(data.get("file"), str):
-            return data
-        directory = (info.context or {}).get("directory", ".")
-        tolerance = data.get("tolerance", cls.model_fields["tolerance"].default)
-        try:
-            r, z = read_contour(Path(directory, data["file"]))
-        except ContourError as error:
-            raise refusal(str(error), key="file") from None
-        try:
-            smooth_contour(r, z, float(LENGTH.read(tolerance)))  # type: ignore[arg-type]
-        except ContourError as error:
-            raise refusal(f"the contour {error}", key="file") from None
-        except (TypeError, PydanticCustomError):
-            pass  # a wrong tolerance, whose own validation reports it
-        return {**data, "file": None, "r": r, "z": z}
-
-    @model_validator(mode="after")
-    def _a_contour(self) -> ProfileCell:
-        if not self.r and not self.z:
-            raise refusal('expected a contour, e.g. "contour.csv"', key="file")
-        if len(self.r) != len(self.z):
-            raise refusal(f"expected {len(self.r)} heights, one per radius", key="z")
-        try:
-            smooth_contour(self.r, self.z, self.tolerance)
-        except ContourError as error:
-            raise refusal(f"the contour {error}", key="r") from None
-        return self
-
-    @property
-    def radius(self) -> float:
-        return max(self.r)
-
-    @property
-    def least_radius(self) -> float:
-        return smooth_contour(self.r, self.z, self.tolerance).least_radius
-
-    @property
-    def curve(self) -> Curve:
-        return smooth_contour(self.r, self.z, self.tolerance)
-
-
-class CapCell(_Shape):
+class CapCell(Shape):
     """The part of a sphere around its top pole."""
 
     poles: ClassVar[tuple[Pole, ...]] = ("top",)
-    shape: Literal["cap"] = _SHAPE
+    shape: Literal["cap"] = SHAPE
     radius: Length = Field(gt=0, description="radius of the sphere (µm)")
     half_angle: Angle = Field(gt=0, lt=180, description="polar angle of the edge (degrees)")
     edge: _Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
@@ -237,11 +121,11 @@ class CapCell(_Shape):
         return Cap(self.radius, float(np.deg2rad(self.half_angle)))
 
 
-class DiscCell(_Round):
+class DiscCell(Round):
     """A flat disc; its outward side is the upper one."""
 
     poles: ClassVar[tuple[Pole, ...]] = ("top",)
-    shape: Literal["disc"] = _SHAPE
+    shape: Literal["disc"] = SHAPE
     edge: _Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
 
     @property
@@ -253,11 +137,11 @@ class DiscCell(_Round):
         return Straight(self.radius, 0.0, 0.0)
 
 
-class ConeCell(_Shape):
+class ConeCell(Shape):
     """A truncated cone, its outer edge below; a flat ring if its height is 0."""
 
     poles: ClassVar[tuple[Pole, ...]] = ()
-    shape: Literal["cone"] = _SHAPE
+    shape: Literal["cone"] = SHAPE
     outer_diameter: Length = Field(gt=0, description="diameter of the lower edge (µm)")
     inner_diameter: Length = Field(gt=0, description="diameter of the upper edge (µm)")
     height: Length = Field(ge=0, description="height of the upper above the lower edge (µm)")
@@ -291,11 +175,11 @@ class ConeCell(_Shape):
         return Straight(self.radius, self.least_radius, self.height)
 
 
-class CylinderCell(_Round):
+class CylinderCell(Round):
     """A cylinder with the same support at both edges."""
 
     poles: ClassVar[tuple[Pole, ...]] = ()
-    shape: Literal["cylinder"] = _SHAPE
+    shape: Literal["cylinder"] = SHAPE
     length: Length = Field(gt=0, description="distance between the edges (µm)")
     edge: _Edge = Field(default="clamped", description=f"how both edges are {_EDGE}")
 
@@ -311,7 +195,7 @@ class CylinderCell(_Round):
 def _shape(value: object) -> str | None:
     if isinstance(value, Mapping):
         return f"{BRANCH}{value.get('shape')}"
-    return f"{BRANCH}{value.shape}" if isinstance(value, _Shape) else None
+    return f"{BRANCH}{value.shape}" if isinstance(value, Shape) else None
 
 
 AnyCell = Annotated[

@@ -6,7 +6,7 @@ The only room that knows both scenes and the shell. What loads dolfinx is import
 from typing import TYPE_CHECKING, Any
 
 from .discretise import discretise
-from .history import COLUMNS, History, Row
+from .history import COLUMNS, Digest, History, Row
 from .observers import Observers
 from .profiles import Profile, Profiles
 from .ranks import RootError, on_root
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from .simulation import Simulation, simulate
 
 __all__ = [
-    "ANSWERS", "COLUMNS", "EXIT_STATUS", "Checkpoint", "CheckpointError", "ErrorBars",
+    "ANSWERS", "COLUMNS", "EXIT_STATUS", "Checkpoint", "CheckpointError", "Digest",
+    "ErrorBars",
     "ErrorEstimate", "History", "Observer", "Observers", "Profile", "Profiles", "Result",
     "ResumePoint", "RootError", "Row", "Simulation", "Status", "Timings", "build_shell",
     "discretise", "on_root", "pieces", "simulate",

@@ -94,7 +94,10 @@ class Checkpoint:
             raise CheckpointError(f"has format {found}, and this version reads format {FORMAT}")
         if digest != _digest(arrays):
             raise CheckpointError("is damaged")
-        return _built(cls, arrays, "")
+        try:
+            return _built(cls, arrays, "")
+        except KeyError as error:
+            raise CheckpointError(f"lacks {error.args[0]}") from None
 
 
 def _digest(arrays: Mapping[str, Values]) -> str:

@@ -1,7 +1,8 @@
 """The history of a run: a row for each accepted state."""
 
+import hashlib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -60,6 +61,24 @@ class Row:
 
 
 COLUMNS = tuple(field.name for field in fields(Row))
+
+
+class Digest:
+    """A hash of rows, by which a changed history is recognised."""
+
+    def __init__(self, rows: Iterable[Row] = ()) -> None:
+        self._hash = hashlib.sha256()
+        for row in rows:
+            self.add(row)
+
+    def add(self, row: Row) -> None:
+        """Add a row."""
+        self._hash.update(repr([float(value) for value in astuple(row)]).encode())
+
+    @property
+    def text(self) -> str:
+        """The hash of all rows so far."""
+        return self._hash.hexdigest()
 
 
 class History:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ..geometry import Smoothing
 from .history import Row
 from .result import Status
 
@@ -77,6 +78,15 @@ def contact_warning(row: Row, table: str) -> str:
     return (
         f"the wall touches itself from {_place(row)} on, and may go through itself, as contact is "
         f"not modelled; to end there, set {table}.stop_at_contact = true"
+    )
+
+
+def smoothing_warning(smoothing: Smoothing) -> str:
+    """Return what must be known of a run whose cell is a smoothed contour."""
+    return (
+        f"the contour is smoothed by {1e3 * smoothing.tolerance:.2g} nm (cell.tolerance), which "
+        f"changes its volume by {100 * smoothing.volume_change:+.2g} %; membrane stresses may be "
+        f"wrong by {100 * smoothing.stress_error:.2g} % of their maximum"
     )
 
 

@@ -9,7 +9,7 @@ from time import perf_counter
 from .. import _dolfinx as dx
 from ..mechanics import Shell, ShellState
 from ..scene import AnyWall
-from .history import Row
+from .history import Digest, Row
 from .measurements import Measurements
 from .profiles import Profile
 from .softening import softest_stretch
@@ -20,7 +20,7 @@ class RecorderState:
     """Numbers of rows, profiles, rejected steps and Newton iterations.
 
     `saved` says whether the last profile is that of the last row, `contact` is the number of the
-    first row in which the wall touches itself.
+    first row in which the wall touches itself, `digest` that of all rows.
     """
 
     rows: int
@@ -29,6 +29,7 @@ class RecorderState:
     rejected: int
     iterations: int
     contact: int | None
+    digest: str
 
 
 class Recorder:
@@ -47,12 +48,15 @@ class Recorder:
         self.news: deque[Row | Profile | None] = deque()
         self.rejected = self.iterations = 0
         self.contact: int | None = None
+        self._digest = Digest()
         self.output_s = 0.0
 
     def state(self) -> RecorderState:
         """Return how much has been recorded."""
         counts = len(self.rows), len(self.profiles), self._saved
-        return RecorderState(*counts, self.rejected, self.iterations, self.contact)
+        return RecorderState(
+            *counts, self.rejected, self.iterations, self.contact, self._digest.text
+        )
 
     def restore(
         self, state: RecorderState, rows: Iterable[Row], profiles: Iterable[Profile]
@@ -62,6 +66,7 @@ class Recorder:
         self.rejected, self.iterations = state.rejected, state.iterations
         self._accepted = (self._shell.state(), float(self._shell.pressure.value))
         self._saved, self.contact = state.saved, state.contact
+        self._digest = Digest(self.rows)
 
     def accept(self, time: float, step: float, iterations: int, stable: bool) -> Row:
         """Record the shell's state as accepted, at a time in min after a step of some length."""
@@ -88,6 +93,7 @@ class Recorder:
         if self.contact is None and self.in_contact():
             self.contact = len(self.rows)
         self.rows.append(row)
+        self._digest.add(row)
         self.news.append(row)
         return row
 

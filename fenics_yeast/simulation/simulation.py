@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from .. import _dolfinx as dx
 from ..mechanics import OwnLaw
-from ..scene import Scene
+from ..scene import ProfileCell, Scene
 from .build import build_shell
 from .checkpoint import Checkpoint, ResumePoint
 from .checkpointer import Checkpointer, local
@@ -17,7 +17,7 @@ from .error_estimate import tolerance_warning
 from .history import History, Row
 from .initial_state import set_initial_state
 from .observers import Observers, Publisher, RowCallback
-from .outcome import Outcome, contact_warning, stability_note
+from .outcome import Outcome, contact_warning, smoothing_warning, stability_note
 from .profiles import Profile, Profiles
 from .ranks import OtherRanks, RootError
 from .recorder import Recorder
@@ -25,6 +25,8 @@ from .result import ErrorEstimate, Observer, Result, Timings
 from .scales import residual_tolerance
 from .static import Static
 from .transient import Transient
+
+_NOTABLE = 0.01  # stress error by smoothing a contour
 
 _LOG = logging.getLogger(__name__)
 
@@ -179,6 +181,9 @@ class Simulation:
         """Yield what must be known of the run even if it ended well."""
         if (inaccurate := tolerance_warning(self._scene, estimate)) is not None:
             yield inaccurate
+        cell = self._scene.cell
+        if isinstance(cell, ProfileCell) and cell.smoothing.stress_error > _NOTABLE:
+            yield smoothing_warning(cell.smoothing)
         contact = self._recorder.contact
         if contact is not None:
             table, row = "run" if self._scene.path is None else "path", self._recorder.rows[contact]

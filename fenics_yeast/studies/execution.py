@@ -18,7 +18,7 @@ from pathlib import Path
 from threading import Event, Lock, Thread
 from typing import Any, Protocol
 
-from ..output import SIGNALS, DolfinxMissing, Job, OutputError, RunLost, writing
+from ..output import SIGNALS, DolfinxMissing, FolderLock, Job, OutputError, RunLost, writing
 from ..scene import SceneError
 from ..simulation import Result, on_root
 from .cases import Case
@@ -83,13 +83,24 @@ def run_sweep(
     KeyboardInterrupt
         If the sweep is interrupted, once the running cases have stopped.
     """
-    if comm is None:
-        _claim(directory)
-    else:
-        on_root(comm, lambda: _claim(directory), OutputError)
-        if comm.rank > 0:
-            _serve(comm)
-            return []
+    claimed = (
+        _claim(directory) if comm is None else on_root(comm, lambda: _claim(directory), OutputError)
+    )
+    if claimed is None:  # another rank than 0
+        _serve(comm)
+        return []
+    with claimed:
+        return _run_cases(directory, keys, cases, jobs, comm, screen)
+
+
+def _run_cases(
+    directory: Path,
+    keys: Sequence[str],
+    cases: Sequence[Case],
+    jobs: int,
+    comm: Any,
+    screen: SweepScreen | None,
+) -> list[CaseRow]:
     rows = {case.name: row for case in cases if (row := finished_row(directory, case))}
     left = [case for case in cases if case.name not in rows]
     if screen is not None:
@@ -110,12 +121,14 @@ def run_sweep(
     return write()
 
 
-def _claim(directory: Path) -> None:
-    """Create the directory; refuse one whose table is not from a sweep."""
+def _claim(directory: Path) -> FolderLock:
+    """Create and lock the directory; refuse one whose table is not from a sweep."""
     with writing(directory):
         directory.mkdir(parents=True, exist_ok=True)
+    lock = FolderLock(directory)
     if (directory / TABLE).exists():
         read_table(directory)
+    return lock
 
 
 def _row(directory: Path, case: Case, message: str) -> CaseRow:

@@ -16,6 +16,7 @@ from ..figures import (
     figure_of,
     minutes,
     place,
+    plain,
     pressures,
     volumes,
 )  # fmt: skip
@@ -72,7 +73,7 @@ def _draw_line(path: Path, label: str, rows: Sequence[CaseRow], title: str) -> N
     with curve_axes(path, label, "volume V/V₀") as axes:
         places: list[float | str] = [row.values[0] for row in rows]
         axes.plot(places, [row.end_ratio or np.nan for row in rows], "o-", color=COLOURS[0])
-        axes.set_title(title)
+        axes.set_title(plain(title))
 
 
 def _draw_map(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title: str) -> None:
@@ -93,7 +94,7 @@ def _draw_map(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title:
         axes.set_yticks(*_ticks(up))
         axes.set_xlabel(labels[0])
         axes.set_ylabel(labels[1])
-        axes.set_title(title)
+        axes.set_title(plain(title))
         axes.spines[:].set_visible(False)
         axes.tick_params(length=0)
         _write_numbers(axes, rows, across, up, ratios)

@@ -91,7 +91,7 @@ def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
     os.close(master)
     assert process.wait() == 0
     text = shown.decode()
-    assert " of 20 min" in text and "left" in text
+    assert " of 20 min" in text and "drawing figures" in text and "0:00:00" not in text
     table = text[text.index("bud radius (µm)") :]
     history = read_history(here / "out" / "small")
     for t in (10, 20):
@@ -265,3 +265,38 @@ def test_quick_commands_load_nothing_heavy(
         done = subprocess.run(command, capture_output=True, text=True, check=True)
         loaded.append(set(done.stderr.split()))
     assert not heavy & (loaded[0] - loaded[1])  # older typer loads rich itself
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("width", [20, 40, 60, 100])
+def test_tables_are_readable_on_a_narrow_terminal(here: Path, width: int) -> None:
+    """No number is cut or broken over lines; further columns are left out."""
+    master, slave = pty.openpty()
+    environment = ranks.environment() | {"TERM": "xterm", "COLUMNS": str(width)}
+    run = start("run", "small.toml", stdin=slave, stdout=slave, stderr=slave, env=environment)
+    os.close(slave)
+    shown = b""
+    while True:
+        try:
+            shown += os.read(master, 65536)
+        except OSError:
+            break
+    os.close(master)
+    assert run.wait() == 0
+    table = shown.decode().replace("\r", "")
+    table = table[table.rindex("time (min)") :].splitlines()
+    history = read_history(here / "out" / "small")
+    for t in (10, 20):
+        assert any(
+            line.split()[:2] == [f"{t}", f"{history.at(t).volume_ratio:.6f}"] for line in table
+        )
+    assert ("bud radius" in table[0]) == (width > 72)
+
+
+def test_a_run_extended_beyond_its_saved_times_prints_its_last_volume(here: Path) -> None:
+    assert call("run", "small.toml").exit_code == 0
+    extended = call("run", "small.toml", "--resume", "--set", "run.end=24")
+    assert extended.exit_code == 0
+    last = read_history(here / "out" / "small").rows[-1]
+    assert last.time_min == 24
+    assert f"24 min: V/V0 = {last.volume_ratio:.6f}" in extended.stdout

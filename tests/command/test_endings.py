@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support import ranks
 from support.command import (
     COMMAND,
     FILES,
@@ -115,30 +116,69 @@ def on_a_small_disk(size: int, *options: str) -> subprocess.CompletedProcess[str
 
 
 @pytest.mark.process
-@pytest.mark.parametrize(
-    ("size", "status", "advice"),
-    [
-        (1500, "failed", "fix this, then rerun the scene"),
-        (50_000, "finished", "to create missing figures, run: fenics-yeast plot out/small"),
-    ],
-)
-def test_a_disk_that_fills_up_ends_the_run_in_a_line(
-    here: Path, size: int, status: str, advice: str
-) -> None:
-    """In a line of the history, which then has whole lines only; or in a figure."""
-    done = on_a_small_disk(size)
-    assert (done.returncode, done.stdout) == (4, "")
+def test_a_disk_that_fills_up_ends_the_run_in_a_line(here: Path) -> None:
+    """The history then has whole lines only."""
+    done = on_a_small_disk(1500)
+    assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith("error: out/small: cannot be written: ")
-    assert done.stderr.endswith(f"; {advice}\n")
+    assert done.stderr.endswith("; fix this, then rerun the scene\n")
     assert done.stderr.count("\n") == 1
     folder = here / "out" / "small"
     rows = read_history(folder)
     assert (folder / "history.csv").read_text().count("\n") == len(rows) + 1 > 1
     assert (folder / "history.csv").read_bytes().endswith(b"\n")
     summary = json.loads((folder / "run.json").read_text())
-    assert summary["status"] == status
-    assert ("cannot be written" in summary["message"]) == (status == "failed")
+    assert summary["status"] == "failed"
+    assert "cannot be written" in summary["message"]
     assert summary["steps"] == len(rows) - 1
+
+
+@pytest.mark.process
+def test_where_only_a_figure_does_not_fit_the_run_has_a_warning(here: Path) -> None:
+    """Resuming it draws the figure, or says again that it cannot be written."""
+    advice = "to create them, run: fenics-yeast plot out/small"
+    for options in ((), ("--resume",)):
+        done = on_a_small_disk(50_000, *options)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+        summary = read_summary(here / "out" / "small")
+        assert summary is not None and summary.status == "finished"
+        assert summary.warnings[-1].startswith("figures are missing (out/small: cannot be written")
+        assert summary.warnings[-1].endswith(advice)
+    resumed = call("run", "small.toml", "--resume")
+    assert resumed.exit_code == 0
+    assert TWO_SAVED <= tree(here / "out" / "small") | {"surface/0001.vtu"}
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("quiet", [(), ("--quiet",)])
+def test_a_full_standard_output_does_not_end_a_run(here: Path, quiet: tuple[str, ...]) -> None:
+    with open("/dev/full", "w") as full:
+        done = finish("run", "small.toml", *quiet, stdout=full)
+    assert done.returncode == 0
+    warned = "warning: standard output cannot be written: No space left on device; the results"
+    assert done.stderr.startswith(warned) or quiet
+    assert done.stderr.count("\n") == 1 - len(quiet)
+    assert tree(here / "out" / "small") == TWO_SAVED
+
+
+@pytest.mark.process
+def test_a_user_s_settings_of_matplotlib_do_not_cost_figures(here: Path) -> None:
+    """TeX that is not installed, fonts that are missing, the back end of a notebook."""
+    (here / "matplotlibrc").write_text(
+        "text.usetex: True\nfont.family: No Such Font\naxes.formatter.use_mathtext: True\n"
+    )
+    text = (here / "small.toml").read_text()
+    (here / "small.toml").write_text(text.replace('"Test bud"', "'酵母 $x^{2$'"))
+    environment = ranks.environment() | {
+        "MPLBACKEND": "module://no_such_backend.inline",
+        "MATPLOTLIBRC": str(here),
+    }
+    done = finish("run", "small.toml", "--quiet", env=environment)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert read_summary(here / "out" / "small").warnings == ()
+    assert tree(here / "out" / "small") == TWO_SAVED
+    done = finish("plot", "out/small", env=environment)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_interrupted_figures_and_error_bars_leave_the_run_as_it_is(
@@ -170,7 +210,10 @@ def test_an_interrupt_of_the_compilation_leaves_what_the_folder_holds(
 
     monkeypatch.setattr(simulation, "simulate", interrupted)
     result = call("run", "small.toml", "--quiet")
-    assert (result.exit_code, result.stderr) == (130, "interrupted at 20 min\n")
+    assert (result.exit_code, result.stderr) == (
+        130,
+        "interrupted at 20 min; rerun with --resume to continue\n",
+    )
     folder = here / "out" / "small"
     summary = json.loads((folder / "run.json").read_text())
     assert summary["status"] == "interrupted" and summary["end_time_min"] == 20
@@ -206,7 +249,7 @@ def test_a_folder_removed_during_the_run_is_made_again(here: Path) -> None:
 @pytest.mark.process
 def test_a_full_disk_leaves_what_fitted(here: Path) -> None:
     done = on_a_small_disk(30_000, *FINE)
-    assert done.returncode == 4
+    assert done.returncode == 1
     assert done.stderr.startswith("error: out/small: cannot be written: ")
     folder = here / "out" / "small"
     history, profiles = read_history(folder), read_profiles(folder)

@@ -91,7 +91,7 @@ def test_only_a_run_in_time_is_animated(tmp_path: Path, elastic_scene: Scene) ->
     assert result.exit_code == 2 and result.stderr.count("\n") == 1
     (tmp_path / "sweep.csv").write_text("case,growth.time,status\n")
     result = call("plot", str(tmp_path), "--film")
-    assert result.exit_code == 2 and "directory of a case" in result.stderr
+    assert result.exit_code == 2 and "to animate a case" in result.stderr
 
 
 @pytest.mark.slow
@@ -115,7 +115,7 @@ def test_mp4_is_written_where_ffmpeg_is_and_its_failure_is_reported(
     assert content[-frame:] == content[2 * frame : 3 * frame] != content[:frame]
     for read in ("cat > /dev/null;", ""):  # before or after all frames
         ffmpeg.write_text(f"#!/bin/sh\n{read} echo no such encoder >&2; exit 1")
-        with pytest.raises(AnimationError, match="FFMpegWriter failed"):
+        with pytest.raises(AnimationError, match="cannot be written: ffmpeg failed"):
             animation.animate(folder, growing, end=20.0, frames=3)
         assert not (folder / "figures" / "part-film.mp4").exists()
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.shapes import ellipse
 
-from fenics_yeast.geometry import ContourError, read_contour, smooth_contour, spheroid
+from fenics_yeast.geometry import ContourError, describe_smoothing, smooth_contour, spheroid
 
 EXACT = spheroid(2.0, 3.5)
 
@@ -53,27 +53,64 @@ def test_what_is_no_meridian_is_refused(points, said):
     assert len(str(caught.value).splitlines()) == 1
 
 
+# By default, the data's own noise ---------------------------------------------------------------
+
+PIXEL = 0.065
+
+
+def staircase() -> tuple[np.ndarray, np.ndarray]:
+    """The ellipse as a segmentation of an image gives it, in whole pixels."""
+    z = np.arange(-3.5, 3.5 + PIXEL / 2, PIXEL)
+    r = np.round(2.0 * np.sqrt(np.maximum(0, 1 - (z / 3.5) ** 2)) / PIXEL) * PIXEL
+    keep = r > 0
+    return np.r_[0, r[keep], 0], np.r_[-3.5, z[keep], 3.5]
+
+
+def white(deviation: float, number: int = 200) -> tuple[np.ndarray, np.ndarray]:
+    r, z = ellipse(number)
+    noise = np.random.default_rng(3).normal(scale=deviation, size=(2, number))
+    noise[0, [0, -1]] = 0
+    return r + noise[0], z + noise[1]
+
+
+def hoop(curve, at):
+    """Membrane hoop stress over pressure, times the thickness: R2 (1 - κ1 R2 / 2)."""
+    S = at * curve.length
+    R2 = curve.radius(S) / np.sin(curve.angle(S))
+    return R2 * (1 - curve.curvature(S) * R2 / 2)
+
+
 @pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (None, "no such file beside the scene"),
-        ("", 'heading "r,z"'),
-        ("r,z\n", "no points"),
-        ("x,y\n1,2\n", 'heading "r,z"'),
-        ("r,z\n0,1\n0;2\n", "line 3: expected two numbers"),
-        ("r,z\n0,nan\n", "line 2: not finite"),
-    ],
+    ("points", "error"),
+    [(staircase(), 0.15), (white(0.003), 0.04), (white(0.02), 0.1), (white(0.02, 400), 0.15)],
+    ids=["pixels", "white", "more noise", "more points"],
 )
-def test_files_that_are_no_contours_are_refused(tmp_path, text, said):
-    path = tmp_path / "contour.csv"
-    if text is not None:
-        path.write_text(text)
-    with pytest.raises(ContourError, match=said) as caught:
-        read_contour(path)
-    assert len(str(caught.value).splitlines()) == 1
+def test_the_default_tolerance_keeps_noise_out_of_the_stress(points, error):
+    """Without smoothing, the same stress is wrong by its own size; the report says how much."""
+    r, z = map(tuple, points)
+    curve, report = smooth_contour(r, z), describe_smoothing(r, z)
+    at = np.linspace(0.01, 0.99, 300)
+    expected = hoop(EXACT, at)
+    found = abs(hoop(curve, at) - expected).max() / expected.max()
+    assert found < error
+    assert found / 2 < report.stress_error < 4 * found
+    # The ellipse has 4/3 π 2² 3.5 µm³.
+    t = np.linspace(0, curve.length, 4001)
+    radius, height = curve.radius(t), curve.height(t)
+    volume = np.pi * np.sum((radius[1:] + radius[:-1]) ** 2 / 4 * np.diff(height))
+    assert volume == pytest.approx(4 / 3 * np.pi * 2**2 * 3.5, rel=0.01)
 
 
-def test_a_table_of_points_may_have_comments_and_more_columns(tmp_path):
-    path = tmp_path / "contour.csv"
-    path.write_text("# traced by hand\n name , Z, R\na,1,2\n\nb,3,4\n")
-    assert read_contour(path) == ((2.0, 4.0), (1.0, 3.0))
+def test_points_without_noise_are_interpolated_by_default():
+    r, z = map(tuple, ellipse(80))
+    report = describe_smoothing(r, z)
+    assert report.tolerance < 1e-5
+    assert report.stress_error < 1e-3
+    # Chords of 1/79 of half an ellipse leave out 1/4 (π/79)² of the volume.
+    assert report.volume_change == pytest.approx((np.pi / 79) ** 2 / 4, rel=0.05)
+
+
+def test_a_contour_that_cannot_be_smoothed_is_refused_by_default_too():
+    points = [np.interp(np.linspace(0, 8, 81), range(9), x) for x in SQUARE]
+    with pytest.raises(ContourError, match="has a kink"):
+        smooth_contour(*map(tuple, points))

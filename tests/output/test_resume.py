@@ -26,6 +26,7 @@ from fenics_yeast.simulation import COLUMNS, Observers, Profiles, build_shell
 from fenics_yeast.simulation import Result as RunResult
 from fenics_yeast.simulation import checkpointer as checkpointer
 from fenics_yeast.simulation.checkpoint import FORMAT, Checkpoint, CheckpointError, ResumePoint
+from fenics_yeast.simulation.checkpoint import _digest as checkpoint_digest
 from fenics_yeast.simulation.transient import Transient
 from fenics_yeast.solve.time_stepper import StepperState
 
@@ -366,7 +367,29 @@ def test_a_history_that_was_cut_behind_its_checkpoint_is_refused(finished: Path)
     lines = (finished / "history.csv").read_text().splitlines(keepends=True)
     (finished / "history.csv").write_text("".join(lines[:5]))
     (finished / "run.json").unlink()
-    refused(run("--resume"), "is missing or was changed")
+    refused(run("--resume"), "of history.csv is missing")
+
+
+def test_a_history_that_was_edited_is_refused(finished: Path) -> None:
+    """In any digit of any row before the checkpoint."""
+    path = finished / "history.csv"
+    lines = path.read_text().splitlines(keepends=True)
+    (finished / "run.json").unlink()
+    for row, column in ((1, 3), (4, 2), (len(lines) - 1, 6)):
+        cells = lines[row].split(",")
+        cells[column] = repr(float(cells[column]) * (1 + 1e-15) + 1e-15)
+        path.write_text("".join([*lines[:row], ",".join(cells), *lines[row + 1 :]]))
+        refused(run("--resume"), "cannot resume: history.csv was changed")
+
+
+def test_a_checkpoint_that_lacks_a_key_is_refused_by_name(finished: Path) -> None:
+    """As it may be if somebody made it: its digest is right."""
+    path = finished / "checkpoint.npz"
+    with np.load(path) as file:
+        arrays = dict(file)
+    del arrays["sha256"], arrays["stepper.time"]
+    np.savez(path, **arrays, sha256=np.array(checkpoint_digest(arrays)))
+    refused(run("--resume"), "checkpoint.npz: lacks stepper.time")
 
 
 def test_a_new_run_forgets_the_checkpoint_of_the_old_one(

@@ -65,6 +65,24 @@ def test_a_form_without_its_library_is_compiled_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.process
+@pytest.mark.parametrize("kept", [0.0, 0.3, 0.9])
+def test_a_damaged_library_is_compiled_again(tmp_path: Path, kept: float) -> None:
+    """Cut short, as by a full disk: to load it would end the process by a bus error."""
+    assert start(tmp_path).communicate() == ANSWER
+    libraries = list(tmp_path.glob("fenics-yeast/*/*.so"))
+    for library in libraries:
+        stat = library.stat()
+        assert _form_cache.is_whole(library, stat.st_size, stat.st_mtime_ns)
+        os.truncate(library, int(kept * stat.st_size))
+    info = [sys.executable, "-m", "fenics_yeast", "info"]
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
+    said = subprocess.run(info, env=environment, capture_output=True, text=True, check=True).stdout
+    assert f"{len(libraries)} damaged, which the next run compiles again" in said
+    assert start(tmp_path).communicate() == ANSWER
+    assert all(library.stat().st_size > 1000 for library in libraries)
+
+
+@pytest.mark.process
 def test_simultaneous_processes_compile_once(tmp_path: Path) -> None:
     processes = [start(tmp_path) for _ in range(3)]
     assert [process.communicate() for process in processes] == [ANSWER] * 3
@@ -117,7 +135,7 @@ def test_ranks_compile_once(
 def test_a_cache_that_cannot_be_written_is_replaced_for_the_run() -> None:
     output, errors = start("/proc/nowhere").communicate()
     assert output == ANSWER[0]
-    assert errors.startswith("warning: compiled forms are kept only for this run")
+    assert errors.startswith("warning: the cache of compiled forms, /proc/nowhere, cannot be used")
     assert "XDG_CACHE_HOME" in errors and errors.count("\n") == 1
 
 

@@ -149,7 +149,7 @@ MALFORMED = {
     ),
     "several": (
         BUD.replace("480", "1").replace('"conical"', "3").replace("1e-4", "7"),
-        ["numerics.tolerance = 7", "(and 1 more error)"],
+        ["numerics.tolerance = 7", "(and 2 more errors)"],
     ),
     "wrong preset and a key": (
         BALLOON + '[numerics]\npreset = "x"\norder = 9\n',

@@ -185,7 +185,7 @@ def test_a_failing_case_is_a_row_with_its_reason(here: Path) -> None:
     (blocked / "history.csv").write_text("precious")
     done = sweep("--vary", "growth.time=30,45,60", "--jobs", "1", "--quiet")
     assert (done.returncode, done.stdout) == (4, "")
-    assert done.stderr == "error: 1 of 3 cases failed; the first is growth.time=45\n"
+    assert done.stderr == "error: 1 of 3 cases failed, first growth.time=45; see sweep.csv\n"
     rows = table(here)
     assert [row["status"] for row in rows] == ["finished", "failed", "finished"]
     assert "contains a history.csv that is not from a run" in rows[1]["message"]
@@ -207,7 +207,7 @@ def test_a_case_without_equilibrium_has_not_failed(here: Path) -> None:
         (("--vary", "growth.time=3,-3"), "growth.time = -3"),
         (("--vary", "growth.time=3", "--vary", "growth.time=4"), "given twice"),
         (("--vary", "growth.time=3", "--set", "growth.tim=4"), "did you mean growth.time?"),
-        (("--vary", "growth.time=3", "--out", "small.toml"), "small.toml: is a file"),
+        (("--vary", "growth.time=3", "--out", "small.toml"), "small.toml: must be a directory"),
     ],
 )
 def test_errors_are_reported_before_anything_runs(
@@ -297,7 +297,7 @@ def test_a_killed_process_fails_only_its_own_case(here: Path) -> None:
         os.kill(child, signal.SIGKILL)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 4
-    assert errors == "error: 1 of 3 cases failed; the first is numerics.step=0.002\n"
+    assert errors == "error: 1 of 3 cases failed, first numerics.step=0.002; see sweep.csv\n"
     rows = table(here)
     assert [row["status"] for row in rows] == ["failed", "finished", "finished"]
     assert "process was killed" in rows[0]["message"]

@@ -1,0 +1,157 @@
+"""Read the points of a contour, as programs for images and tables write them."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from .curves import Array
+
+_LARGEST_FILE = 10_000_000  # bytes
+_HEADING = 'expected the heading "r,z" and one point per line'
+_NAME = re.compile(r"([rz])[\s_]*[\[(/]?\s*([a-zµμ]*)\s*[\])]?", re.IGNORECASE)
+_UNITS = {"µm": 1.0, "μm": 1.0, "um": 1.0, "micron": 1.0, "microns": 1.0, "nm": 1e-3}
+_PIXELS = ("px", "pixel", "pixels")
+_CLOSED = 3.0  # steps between its points: ends that are closer to each other close an outline
+_ALIKE = 0.1  # of the radius: how far the two halves of an outline may be from each other
+
+
+class ContourError(ValueError):
+    """What is wrong with a contour, as the end of a sentence that begins with it."""
+
+
+def read_contour(
+    path: Path, scale: float | None = None
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Read the points `(r, z)` in µm of a table with the columns ``r`` and ``z``.
+
+    Columns are separated by commas, semicolons, tabs or spaces; their names may be quoted and have
+    a unit, as in ``r [µm]``. A closed outline is folded about its vertical axis: its half is the
+    mean of both.
+
+    Parameters
+    ----------
+    path
+        The file: UTF-8, UTF-16 with a byte order mark, or Latin-1.
+    scale
+        Length in µm of a unit of the columns, such as a pixel; by default they are in µm.
+
+    Raises
+    ------
+    ContourError
+        If the file cannot be read or is no such table; the message is a sentence of its own.
+    """
+    rows = [
+        (number, line.strip())
+        for number, line in enumerate(_text(path).splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not rows:
+        raise ContourError(f"has no points; {_HEADING}")
+    heading = rows[0][1]
+    mark = next((mark for mark in (";", "\t", ",") if mark in heading), None)
+    columns = _columns(heading, mark, scale)
+    points = []
+    for number, line in rows[1:]:
+        cells = [cell.strip(" \"'") for cell in line.split(mark)]
+        try:
+            point = [factor * _number(cells[place], mark) for place, factor in columns]
+        except (ValueError, IndexError):
+            raise ContourError(
+                f'line {number}: found "{line[:40]}"; expected a number for r and z'
+            ) from None
+        if not np.isfinite(point).all():
+            raise ContourError(f"line {number}: numbers must be finite")
+        points.append(point)
+    if not points:
+        raise ContourError("has no points below its heading")
+    r, z = _half(np.array(points)).T.tolist()
+    return tuple(r), tuple(z)
+
+
+def _text(path: Path) -> str:
+    try:
+        with open(path, "rb") as file:
+            content = file.read(_LARGEST_FILE + 1)
+    except FileNotFoundError:
+        raise ContourError(f"no such file beside the scene: {path.absolute()}") from None
+    except (OSError, ValueError) as error:
+        raise ContourError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if len(content) > _LARGEST_FILE:
+        raise ContourError("is larger than 10 MB; expected a table of points")
+    wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    for encoding in ("utf-16",) if wide else ("utf-8-sig", "latin-1"):
+        try:
+            return content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    raise ContourError("is damaged: expected UTF-8, UTF-16 or Latin-1")
+
+
+def _columns(heading: str, mark: str | None, scale: float | None) -> list[tuple[int, float]]:
+    """Return place and unit in µm of the columns r and z."""
+    found: dict[str, tuple[int, float]] = {}
+    cells = heading.split(mark) if mark else re.findall(r"[rz]\s*[\[(][^\])]*[\])]|\S+", heading)
+    for place, cell in enumerate(cells):
+        name = _NAME.fullmatch(cell.strip(" \"'"))
+        if name is None:
+            continue
+        unit = name[2].lower()
+        if unit and unit not in (*_UNITS, *_PIXELS):
+            raise ContourError(f'has the unit "{unit}" in its heading; expected µm, nm or px')
+        if unit in _PIXELS and scale is None:
+            raise ContourError('is in pixels; set cell.scale to the size of one, e.g. "65 nm"')
+        if unit in _UNITS and scale is not None:
+            raise ContourError(f"is in {unit}, says its heading; remove cell.scale")
+        found[name[1].lower()] = (place, _UNITS.get(unit, 1.0) if scale is None else scale)
+    if not {"r", "z"} <= found.keys():
+        raise ContourError(f'begins with "{heading[:40]}"; {_HEADING}')
+    return [found["r"], found["z"]]
+
+
+def _number(text: str, mark: str | None) -> float:
+    """Read a number, with a decimal comma where commas separate no columns."""
+    return float(text.replace(",", ".") if mark != "," and "." not in text else text)
+
+
+def _half(points: Array) -> Array:
+    """Return the meridian of a closed outline, from bottom to top; other points as they are."""
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    if len(points) < 8 or np.hypot(*(points[-1] - points[0])) > _CLOSED * np.median(steps):
+        return points
+    if (points[-1] == points[0]).all():
+        points = points[:-1]
+    following = np.roll(points, -1, axis=0)
+    areas = points[:, 0] * following[:, 1] - following[:, 0] * points[:, 1]
+    centre = ((points[:, 0] + following[:, 0]) @ areas) / (3 * areas.sum())
+    points = points - (centre, 0.0)
+    following = following - (centre, 0.0)
+    crossing = np.flatnonzero((points[:, 0] < 0) != (following[:, 0] < 0))
+    if len(crossing) != 2:
+        raise ContourError(
+            f"is a closed outline that meets its vertical axis at {len(crossing)} places; "
+            "expected 2: rotate it until its axis is vertical"
+        )
+    part = points[crossing, 0] / (points[crossing, 0] - following[crossing, 0])
+    poles = points[crossing] + part[:, None] * (following[crossing] - points[crossing])
+    first, second = crossing
+    one = np.concatenate([poles[:1], points[first + 1 : second + 1], poles[1:]])
+    rest = np.concatenate([points[second + 1 :], points[: first + 1]])
+    other = np.concatenate([poles[1:], rest, poles[:1]])
+    halves = [_evenly(half if half[0, 1] < half[-1, 1] else half[::-1], len(points) // 2 + 1)
+              for half in (one, other)]  # fmt: skip
+    halves = [half * (np.sign(half[:, 0].sum()), 1) for half in halves]
+    apart = float(np.hypot(*(halves[0] - halves[1]).T).max())
+    if apart > _ALIKE * halves[0][:, 0].max():
+        raise ContourError(
+            f"is a closed outline whose halves are up to {apart:.2g} µm apart; rotate it until its "
+            "axis is vertical, or give one half"
+        )
+    return np.mean(halves, axis=0)
+
+
+def _evenly(points: Array, number: int) -> Array:
+    """Return a number of points at equal distances along a line."""
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    at = np.linspace(0.0, along[-1], number)
+    return np.column_stack([np.interp(at, along, x) for x in points.T])

@@ -1,0 +1,103 @@
+"""A cell whose shape is a traced contour."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, ValidationInfo, model_validator
+from pydantic_core import PydanticCustomError
+
+from ..geometry import (
+    ContourError,
+    Curve,
+    Smoothing,
+    describe_smoothing,
+    read_contour,
+    smooth_contour,
+)
+from .errors import refusal
+from .shape import SHAPE, Shape
+from .table import ListOf
+from .units import LENGTH, Length
+
+
+class ProfileCell(Shape):
+    """A smoothed contour, read from a file once and kept as points."""
+
+    shape: Literal["profile"] = SHAPE
+    file: str | None = Field(
+        default=None,
+        description="CSV file with the columns r and z (µm), beside the scene; read once",
+    )
+    tolerance: Length | None = Field(
+        default=None,
+        ge=0,
+        description="root mean square distance between points and smoothed curve (µm); "
+        "default: from the noise of the points",
+    )
+    scale: Length | None = Field(
+        default=None, gt=0, description="size of a pixel, if the file is in pixels (µm)"
+    )
+    r: ListOf[Length] = Field(
+        default=(), description="distances of the points from the axis, instead of a file (µm)"
+    )
+    z: ListOf[Length] = Field(
+        default=(), description="heights of the points, from bottom to top (µm)"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any, info: ValidationInfo) -> Any:
+        """Replace the name of a file by its points, so that the scene needs no other file."""
+        if not isinstance(data, Mapping) or not isinstance(data.get("file"), str):
+            return data
+        directory = (info.context or {}).get("directory", ".")
+        try:
+            tolerance, scale = (
+                None if data.get(key) is None else float(LENGTH.read(data[key]))  # type: ignore[arg-type]
+                for key in ("tolerance", "scale")
+            )
+        except (TypeError, ValueError, PydanticCustomError):
+            return data  # the validation of these keys reports what is wrong
+        try:
+            r, z = read_contour(Path(directory, data["file"]), scale)
+        except ContourError as error:
+            raise refusal(str(error), key="file") from None
+        try:
+            smooth_contour(r, z, tolerance)
+        except ContourError as error:
+            raise refusal(f"the contour {error}", key="file") from None
+        return {**data, "file": None, "scale": None, "r": r, "z": z}
+
+    @model_validator(mode="after")
+    def _a_contour(self) -> ProfileCell:
+        if self.scale is not None:
+            raise refusal("needs the file of a contour; r and z are in µm", key="scale")
+        if not self.r and not self.z:
+            raise refusal('expected a contour, e.g. "contour.csv"', key="file")
+        if len(self.r) != len(self.z):
+            raise refusal(f"expected {len(self.r)} heights, one per radius", key="z")
+        try:
+            smooth_contour(self.r, self.z, self.tolerance)
+        except ContourError as error:
+            raise refusal(f"the contour {error}", key="r") from None
+        return self
+
+    @property
+    def radius(self) -> float:
+        return max(self.r)
+
+    @property
+    def smoothing(self) -> Smoothing:
+        """What smoothing does to the contour."""
+        return describe_smoothing(self.r, self.z, self.tolerance)
+
+    @property
+    def least_radius(self) -> float:
+        return smooth_contour(self.r, self.z, self.tolerance).least_radius
+
+    @property
+    def curve(self) -> Curve:
+        return smooth_contour(self.r, self.z, self.tolerance)
