@@ -10,6 +10,7 @@ import ufl
 from . import kinematics
 from .growth_strains import logarithmic_strain
 from .kinematics import Meridian
+from .section import Section
 
 
 @dataclass(frozen=True)
@@ -40,11 +41,11 @@ class Deformation:
     Q: Any = None
 
     @classmethod
-    def of_shell(cls, reference_meridian: Any, w: Any, distances: list[Any]) -> Deformation:
-        """Return the strains of `(u_r, u_z, β, Q)` at distances ξ from the mid-surface."""
+    def of_shell(cls, reference_meridian: Any, w: Any, section: Section) -> Deformation:
+        """Return the strains of `(u_r, u_z, β, Q)` at the distances ξ of a section."""
         R, Phi, Phi_S = reference_meridian
         motion, Q = ufl.split(w)
-        u_r, u_z, beta = (motion[i] for i in range(3))
+        u_r, u_z, beta = motion[0], motion[1], section.rotation * motion[2]
         reference = Meridian(R, ufl.cos(Phi), ufl.sin(Phi), Phi, Phi_S)
         current = Meridian(
             r=reference.r + u_r,
@@ -57,9 +58,9 @@ class Deformation:
         strain = ufl.as_vector([parts.E1m, parts.E2m, parts.E1b, parts.E2b])
         E = ufl.variable(strain)
         varied = kinematics.Strains(E[0], E[1], E[2], E[3], parts.gamma)
-        eps = [_logarithmic(kinematics.green_lagrange(varied, xi)) for xi in distances]
+        eps = [_logarithmic(kinematics.green_lagrange(varied, xi)) for xi in section.distances]
         enclosed = current.r**2 * current.z_S / 2
-        return cls(R, enclosed, strain, E, eps, parts.gamma, Q)
+        return cls(R, enclosed, strain, E, eps, parts.gamma, section.shear_force * Q)
 
     @classmethod
     def of_membrane(cls, reference_meridian: Any, w: Any) -> Deformation:

@@ -26,7 +26,7 @@ class NodalForce:
 
     def __init__(self, w: Any, comm: Any, S: float, scale: float) -> None:
         places, dofs = dx.node_dofs(w.function_space)
-        here = np.abs(places - S) < NEAR * max(S, 1.0)
+        here = np.abs(places - S) < NEAR * S
         self._dofs, self._comm = dofs[here, 1], comm  # empty on ranks that do not own the node
         self._w = w.x.array
         self.value = self._origin = 0.0

@@ -47,6 +47,9 @@ class WallProperties:
     bending: bool = True
 
 
+_MEMBRANE_STIFFNESS = 4.0  # μ h in MPa µm of a wall whose shear force has the unit 1 µN/µm
+
+
 @dataclass(frozen=True)
 class Approximation:
     """How the wall is approximated on its mesh.
@@ -75,6 +78,8 @@ class Section:
         outside the zones of the wall, shape ``(points,)``.
     distances, weights, compliance
         In UFL: ξ of each integration point, its weight times `h/2`, and `1/(κ μ h)`.
+    rotation, shear_force
+        In UFL: β in rad and Q in µN/µm of a unit of their DOFs, see `Shell`.
     """
 
     material: Material
@@ -82,12 +87,18 @@ class Section:
     distances: list[Any]
     weights: list[Any]
     compliance: Any
+    rotation: Any
+    shear_force: Any
 
     @classmethod
     def of(
-        cls, wall: WallProperties, approximation: Approximation, reference: Reference
+        cls,
+        wall: WallProperties,
+        approximation: Approximation,
+        reference: Reference,
+        rotation: float,
     ) -> Section:
-        """Return the section of a wall."""
+        """Return the section of a wall, whose rotation has a unit in rad."""
         h, mu = wall.thickness, wall.shear_modulus
         points = approximation.thickness_points if wall.bending else 1
         zeta, weights = np.polynomial.legendre.leggauss(points)
@@ -108,4 +119,6 @@ class Section:
             distances=[float(z) * thickness / 2 for z in zeta],
             weights=[float(weight) * thickness / 2 for weight in weights],
             compliance=compliance,
+            rotation=reference.constant(rotation),
+            shear_force=reference.constant(mu * h * rotation / _MEMBRANE_STIFFNESS),
         )

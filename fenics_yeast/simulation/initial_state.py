@@ -27,7 +27,7 @@ def set_initial_state(shell: Shell, profile: Profile | None) -> None:
     near = NEAR * curve.length
     places = _places(S, profile.S, near, "nodes")
     moved = (profile.r - curve.radius(profile.S), profile.z - curve.height(profile.S),
-             profile.psi - curve.angle(profile.S))  # fmt: skip
+             (profile.psi - curve.angle(profile.S)) / shell.rotation)  # fmt: skip
     for i, motion in enumerate(moved[: dofs.shape[1]]):
         shell.w.x.array[dofs[:, i]] = motion[places]
     shell.w.x.scatter_forward()

@@ -94,7 +94,7 @@ class Measurements:
         """Return the profile of the wall at a time in min on rank 0, None on others."""
         shell = self._shell
         motion = shell.w.x.array[self._dofs]
-        psi = self._Phi + motion[:, 2] if shell.bending else self._Phi
+        psi = self._Phi + shell.rotation * motion[:, 2] if shell.bending else self._Phi
         at_nodes = (self._S, self._R + motion[:, 0], self._Z + motion[:, 1], psi)
         nodes = self._nodes.gather(np.column_stack(at_nodes))
         S = self._points.gather(self._S_points)

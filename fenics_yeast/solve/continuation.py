@@ -27,6 +27,7 @@ from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
 _PRECISION = 1e-9  # of the volume, relative
+_STIFFNESS = 12.0  # E h in µN/µm of a wall whose parameters have the units 1 MPa, µN, min
 
 
 class BorderedNewton:
@@ -55,6 +56,7 @@ class BorderedNewton:
         size = shell.reference_volume if self._force is None else self._force.scale
         self._scale = tolerance / (_PRECISION * size)  # of the last equation, to a force
         self._size = size
+        self._unit = self._unit_of_parameter()
         self._target, self._weights, self._ramp = 0.0, (1.0, 0.0), (0.0, 0.0)
         self._plane: tuple[Array, Array] | None = None
         self._root = shell.comm.rank == 0
@@ -68,7 +70,7 @@ class BorderedNewton:
         self._bordered.setUp()
         self._solver = dx.PETSc.KSP().create(shell.comm)
         self._solver.setOperators(equations.matrix)
-        use_lu(self._solver)
+        use_lu(self._solver, shell.membrane_stiffness)
         self._snes = create_newton(shell.comm, "bordered_newton_", tolerance)
         self._snes.setFunction(self._residual, self._f)
         self._snes.setJacobian(self._jacobian, self._bordered)
@@ -85,6 +87,14 @@ class BorderedNewton:
         for item in (self._snes, self._solver, self._bordered, self._equations, self._x, self._f,
                      self._a, self._b, self._column, self._row):  # fmt: skip
             item.destroy()
+
+    def _unit_of_parameter(self) -> float:
+        """Return the unit of the parameter among DOFs in µm, so that norms depend on no unit."""
+        shell = self._shell
+        stiffness = shell.membrane_stiffness / _STIFFNESS  # µN/µm
+        if self._parameter is shell.pressure:
+            return stiffness * shell.rotation**2
+        return stiffness if self._force is not None else shell.rotation
 
     def conjugate(self) -> float:
         """Return what the load works on: volume in µm³ or, for a force, displacement in µm."""
@@ -126,7 +136,7 @@ class BorderedNewton:
             )
         x = self._x.array
         x[: self._equations.owned] = shell.w.x.array[: self._equations.owned]
-        x[self._equations.owned :] = value
+        x[self._equations.owned :] = value / self._unit
         guess = x.copy()
         self._snes.solve(None, self._x)
         try:
@@ -172,8 +182,9 @@ class BorderedNewton:
         """
         self._weights = (1.0, 0.0)
         self._jacobian(None, None, None, None)
-        conjugate = -self._row.dot(self._b) / self._scale
-        return np.append(-self._equations.with_ghosts(self._b.array_r), 1.0), float(conjugate)
+        conjugate = -self._row.dot(self._b) / (self._scale * self._unit)
+        motion = -self._equations.with_ghosts(self._b.array_r) / self._unit
+        return np.append(motion, 1.0), float(conjugate)
 
     def _split(self, x: Any) -> tuple[Any, float]:
         """Return the owned DOFs and, on all ranks, the last entry of a bordered vector."""
@@ -184,6 +195,7 @@ class BorderedNewton:
     def _set_parameter(self, x: Any) -> Any:
         """Set the parameter, and the pressure at that time, from a bordered vector; return DOFs."""
         values, parameter = self._split(x)
+        parameter *= self._unit
         self._parameter.value = parameter
         if self._growth is not None:
             self._shell.pressure.value = self._ramp[0] + self._ramp[1] * parameter
@@ -222,13 +234,19 @@ class BorderedNewton:
         if self._plane is not None:
             self._row.array[:] = self._plane[0][: equations.owned]
         self._row.scale(self._scale * self._weights[0])
+        self._column.scale(self._unit)
         self._solver.solve(self._column, self._b)
+
+    @property
+    def _corner(self) -> float:
+        """The derivative of the last equation by the parameter in its unit."""
+        return self._scale * self._weights[1] * self._unit
 
     def mult(self, matrix: Any, x: Any, y: Any) -> None:
         """Multiply with the bordered tangent; called by the line search of SNES."""
         values, parameter = self._split(x)
         self._a.array[:] = values
-        last = self._row.dot(self._a) + self._scale * self._weights[1] * parameter
+        last = self._row.dot(self._a) + self._corner * parameter
         out, product = y.array, self._equations.matrix * self._a
         out[: self._equations.owned] = product.array_r + parameter * self._column.array_r
         out[self._equations.owned :] = last
@@ -240,8 +258,7 @@ class BorderedNewton:
         force = self._a.duplicate()
         force.array[:] = values
         self._solver.solve(force, self._a)
-        corner = self._scale * self._weights[1]
-        pivot = self._row.dot(self._b) - corner
+        pivot = self._row.dot(self._b) - self._corner
         change = (self._row.dot(self._a) - last) / pivot if pivot else np.nan  # SNES then fails
         out = y.array
         out[: self._equations.owned] = self._a.array_r - change * self._b.array_r

@@ -24,6 +24,7 @@ from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
 _MOST_ITERATIONS = 40
+_LONGEST = 1e99  # step in µm; by default PETSc shortens those of more than 1e8
 _SIMILAR_STAGES = 0.1  # relative difference of stages that may share a tangent
 
 REASONS = {
@@ -74,6 +75,7 @@ def create_newton(comm: Any, prefix: str, tolerance: float) -> Any:
     snes.setOptionsPrefix(prefix)
     snes.setType("newtonls")
     snes.setTolerances(rtol=0.0, atol=tolerance, stol=0.0, max_it=_MOST_ITERATIONS)
+    dx.PETSc.Options(prefix)["snes_linesearch_maxstep"] = _LONGEST
     return snes
 
 
@@ -133,7 +135,7 @@ class Equilibrium:
         self.snes.setFunction(self._residual, self._f)
         self.snes.setJacobian(self._jacobian, equations.matrix)
         self._solver = self.snes.getKSP()
-        use_lu(self._solver)
+        use_lu(self._solver, shell.membrane_stiffness)
         self.snes.setFromOptions()
 
     def __enter__(self) -> Equilibrium:

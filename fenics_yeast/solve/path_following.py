@@ -244,8 +244,9 @@ class _Path:
 
     def solve(self, direction: Array, projection: float) -> int:
         """Find the equilibrium whose position has a given projection on a direction."""
-        weights = direction / self._units
-        return self._checked(self._solver.solve(projection, (weights[0], weights[1])))
+        unit = self._units[0]  # of the equation: a volume, or a displacement
+        weights = direction * unit / self._units
+        return self._checked(self._solver.solve(projection * unit, (weights[0], weights[1])))
 
     def solve_along(self, step: float) -> int:
         """Find the equilibrium in the hyperplane across the path at a distance from the last point.

@@ -15,8 +15,10 @@ _LU = {
     "pc_factor_mat_ordering_type": "rcm",  # a banded matrix
     # Without pivoting, a wall without bending stiffness (one fibre) leads to a zero pivot.
     "pc_factor_shift_type": "nonzero",
-    "pc_factor_shift_amount": 1e-10,
 }
+# What is added to a zero pivot, and which pivots count as zero, in parts of the membrane stiffness;
+# PETSc relates the latter to other entries unless these are small.
+_SHIFT, _ZERO, _LARGEST_ZERO = 1e-11, 2e-15, 2.2e-14
 
 
 class Equations:
@@ -98,17 +100,21 @@ class Equations:
         out[self._constrained] = 0
 
 
-def use_lu(solver: Any) -> None:
+def use_lu(solver: Any, stiffness: float) -> None:
     """Make a KSP a direct solver with PETSc's own LU; each of several ranks solves all of it.
 
     The matrices are small and banded: this is faster than sharing the work, and reproducible to
-    the last digit.
+    the last digit. `stiffness` is the size of their entries in µN/µm.
     """
     solver.setType("preonly")
     solver.setOptionsPrefix(_PREFIX)
     options, own = dx.PETSc.Options(), ""
     if solver.getComm().getSize() > 1:
         options[_PREFIX + "pc_type"], own = "redundant", "redundant_"
-    for name, value in _LU.items():
+    small = {
+        "pc_factor_shift_amount": _SHIFT * stiffness,
+        "pc_factor_zeropivot": min(_LARGEST_ZERO, _ZERO * stiffness),
+    }
+    for name, value in (_LU | small).items():
         options[_PREFIX + own + name] = value
     solver.setFromOptions()

@@ -284,13 +284,13 @@ def test_tables_are_readable_on_a_narrow_terminal(here: Path, width: int) -> Non
     os.close(master)
     assert run.wait() == 0
     table = shown.decode().replace("\r", "")
-    table = table[table.rindex("time (min)") :].splitlines()
+    table = table[table.rindex("time") :].splitlines()
     history = read_history(here / "out" / "small")
     for t in (10, 20):
         assert any(
             line.split()[:2] == [f"{t}", f"{history.at(t).volume_ratio:.6f}"] for line in table
         )
-    assert ("bud radius" in table[0]) == (width > 72)
+    assert ("bud radius" in shown.decode()) == (width > 72)
 
 
 def test_a_run_extended_beyond_its_saved_times_prints_its_last_volume(here: Path) -> None:

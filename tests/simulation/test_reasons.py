@@ -43,14 +43,14 @@ point_force = -10.0
 """
 
 
-@pytest.mark.parametrize("pressure", [0.0, 0.01])
+@pytest.mark.parametrize("pressure", [0.0, 0.002])
 def test_a_force_beyond_its_limit_is_named_with_the_limit_that_a_path_finds(
     pressure: float,
 ) -> None:
     scene = Scene.from_toml(CAP.format(pressure=pressure))
-    path = {"path": {"until": {"displacement": -0.5}, "steps": 100}}
+    path = {"path": {"until": {"displacement": -0.8}, "steps": 160}}
     force = simulate(scene.with_values(path)).history.force_uN
-    turn = next(i for i in range(99) if abs(force[i + 1]) < abs(force[i]))
+    turn = next(i for i in range(159) if abs(force[i + 1]) < abs(force[i]))
     result = simulate(scene)
     assert (result.status, len(result.history)) == ("no-equilibrium", 0)
     assert "limit force exceeded" in result.message and "touched" not in result.message
