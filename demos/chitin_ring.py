@@ -40,7 +40,7 @@ for panel, (name, scene) in zip(axes, scenes.items(), strict=True):
         ring = (wall.S >= zone["from"] - 1e-9) & (wall.S <= edge + 1e-9)
         for side in (-1, 1):
             panel.plot(side * wall.r[ring], wall.z[ring], color="#d55e00", lw=4)
-        panel.annotate("ring", (1.2, 2.3), (1.5, 2.4), color="#d55e00")
+        panel.text(1.5, 2.3, "ring", color="#d55e00", va="center")
     panel.set(title=name, xlabel="r (µm)", aspect="equal")
 axes[0].set_ylabel("z (µm)")
 axes[0].legend(frameon=False, loc="center")

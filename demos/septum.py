@@ -16,7 +16,8 @@ import numpy as np
 from fenics_yeast import Scene, simulate
 from fenics_yeast.simulation import discretise, pieces
 
-CUT = 85.0
+CUT = 85.0  # min
+LIFT = 1.0  # µm, by which the daughter is drawn above her mother
 bud = Scene.load(Path(__file__).parent / "scenes" / "bud.toml").with_values({"numerics": {}})
 first = bud.growth.model_dump(exclude_unset=True) | {"until": 90.0}
 second = first | {"zone": {"pole": "bottom", "half_angle": 24}, "from": CUT, "until": 200}
@@ -37,16 +38,23 @@ print(f"Relative gap of the volumes at the separation: {gap:.0e}")
 
 figure = Path("out/septum.png")
 figure.parent.mkdir(exist_ok=True)
-fig, (shapes, volumes) = plt.subplots(1, 2, figsize=(7.2, 4.0), layout="constrained")
+fig, (before, after, volumes) = plt.subplots(
+    1, 3, figsize=(8.4, 3.9), width_ratios=(1, 1, 1.5), layout="constrained"
+)
 cells = {"whole": (whole, "0.5"), "mother": (mother, "#0072b2"), "daughter": (daughter, "#d55e00")}
 for name, (result, colour) in cells.items():
-    wall, history, after = result.profiles.all[-1], result.history, result is not whole
-    lift = 1.0 if result is daughter else 0.0
-    r, z = np.r_[-wall.r[::-1], wall.r] + 7 * after, np.r_[wall.z[::-1], wall.z] + lift
-    shapes.fill(r, z, facecolor="none", edgecolor=colour, lw=1.5)
-    volumes.plot(history.time_min + CUT * after, history.volume_um3, color=colour, label=name)
-shapes.set(xlabel="r (µm)", ylabel="z (µm)", aspect="equal", title="85 min, and 165 min")
-volumes.set(xlabel="time (min)", ylabel="volume (µm³)", ylim=(0, None), xlim=(0, None))
+    wall, history, separate = result.profiles.all[-1], result.history, result is not whole
+    lift = LIFT if result is daughter else 0.0
+    r, z = np.r_[-wall.r[::-1], wall.r], np.r_[wall.z[::-1], wall.z] + lift
+    panel = after if separate else before
+    panel.fill(r, z, facecolor="none", edgecolor=colour, lw=1.5)
+    volumes.plot(history.time_min + CUT * separate, history.volume_um3, color=colour, label=name)
+before.set_ylabel("z (µm)")
+for panel, title in ((before, f"whole cell, {CUT:.0f} min"),
+                     (after, f"165 min, daughter\nlifted by {LIFT:g} µm")):  # fmt: skip
+    panel.set(xlabel="r (µm)", aspect="equal", xlim=(-3, 3), ylim=(-5.2, 6.8), title=title)
+volumes.set(xlabel="time (min)", ylabel="volume (µm³)", ylim=(0, None), xlim=(0, None),
+            title="volume")  # fmt: skip
 volumes.legend(frameon=False, loc="center left")
 fig.savefig(figure, dpi=200)
 print(f"Shapes and volumes: {figure}")

@@ -30,7 +30,21 @@ TIMES = (40.0, 70.0, 80.0, 90.0)  # min
 REQUESTED = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # errors in the table for users
 PAPER = "the paper's scheme"
 PRESET = "default preset"
-COLOURS = ("#000000", "#e69f00", "#0072b2", "#cc79a7", "#009e73", "#56b4e9")  # Okabe and Ito
+# Okabe and Ito's colours, grey and brown: each has one meaning in all panels. Black is the default.
+COLOURS = {
+    "default preset": "black",
+    "sdirk3": "black",
+    "degree 4": "black",
+    "sdirk2": "#e69f00",
+    "forward-euler": "#0072b2",
+    "backward-euler": "#d55e00",
+    "the paper's scheme": "#d55e00",
+    "degree 1": "#009e73",
+    "degree 2": "#56b4e9",
+    "degree 3": "#cc79a7",
+    "integration points": "0.55",
+    "shear penalty": "#8c510a",
+}
 PANELS = ("integrators", "elements", "wall")
 
 # V/V0 at TIMES with 3, 5 and 9 through-thickness integration points by two independent programs:
@@ -215,15 +229,13 @@ def draw_lines(axes: Axes, rows: list[Measured]) -> None:
     """Draw a line for each scheme; the preset is bold, the paper's scheme is a star."""
     for line in dict.fromkeys(row.line for row in rows):
         points = [(row.loop_s, row.error) for row in rows if row.line == line]
-        style = {"marker": "o", "ms": 3.5, "lw": 1.2, "color": COLOURS[len(axes.lines) % 6]}
-        if line.startswith("degree"):
-            style |= {"color": COLOURS[int(line.split()[1][0])]}
+        style = {"marker": "o", "ms": 3.5, "lw": 1.2, "color": COLOURS[line.split(",")[0]]}
         if "uniform" in line or "adaptive" in line:
             style |= {"ls": "--"}
         if line == PRESET:
-            style |= {"color": "black", "lw": 2.2}
+            style |= {"lw": 2.2}
         if line == PAPER:
-            style |= {"color": "#d55e00", "marker": "*", "ms": 13, "ls": ""}
+            style |= {"marker": "*", "ms": 13, "ls": ""}
         axes.plot(*zip(*points, strict=True), label=line, **style)
 
 

@@ -35,13 +35,13 @@ for before, wall in pairwise(result.profiles):
 figure = Path("out/tip_growth.png")
 figure.parent.mkdir(exist_ok=True)
 fig, (shapes, speeds) = plt.subplots(
-    1, 2, figsize=(6.6, 4.4), width_ratios=(1, 1.3), layout="constrained"
+    2, 1, figsize=(6.6, 5.2), height_ratios=(1, 1.1), layout="constrained"
 )
 for wall, colour in zip(result.profiles, plt.cm.viridis_r(np.linspace(0.15, 1, 9)), strict=True):
     r, z = np.r_[-wall.r[::-1], wall.r], np.r_[wall.z[::-1], wall.z]
-    shapes.plot(r, z, color=colour, lw=1.5)
-shapes.vlines([-radius, radius], *shapes.get_ylim(), color="0.5", lw=1, ls="--", zorder=0)
-shapes.set(xlabel="r (µm)", ylabel="z (µm)", aspect="equal", xlim=(-2.6, 2.6), title="every 5 min")
+    shapes.plot(z, r, color=colour, lw=1.5)
+shapes.hlines([-radius, radius], *shapes.get_xlim(), color="0.5", lw=1, ls="--", zorder=0)
+shapes.set(xlabel="z (µm)", ylabel="r (µm)", aspect="equal", ylim=(-2.6, 2.6), title="every 5 min")
 time, height = result.history.time_min, result.history.pole_height_um
 late = time > 0.1  # earlier, the wall mainly stretches
 advance = np.diff(height[late]) / np.diff(time[late])

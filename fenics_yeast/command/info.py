@@ -31,6 +31,15 @@ print(json.dumps({
     "mpi": dx.MPI.Get_library_version().splitlines()[0].split(",")[0].strip(),
 }))
 """
+# Loads the compiled forms of a directory, also in another process: a damaged one may end it.
+_LOADING = """
+import ctypes, sys
+from pathlib import Path
+for path in sorted(Path(sys.argv[1]).rglob("*.so")):
+    print(path, flush=True)
+    ctypes.CDLL(str(path))
+print("all", flush=True)
+"""
 _PATIENCE = 300  # seconds for the trial
 _NAME = re.compile(r"[\w.-]+")  # of a library, before its version
 
@@ -95,12 +104,21 @@ def _cache() -> Finding:
     place = _form_cache.folder()
     files = {path: path.stat() for path in place.rglob("*.so") if path.is_file()}
     size = sum(stat.st_size for stat in files.values()) / 1e6
+    text = f"{place}, {len(files)} compiled forms, {size:.1f} MB"
     damaged = sum(
         not _form_cache.is_whole(path, stat.st_size, stat.st_mtime_ns)
         for path, stat in files.items()
     )
-    note = f"; {damaged} damaged, which the next run compiles again" if damaged else ""
-    return Finding("form cache", f"{place}, {len(files)} compiled forms, {size:.1f} MB{note}")
+    if damaged:
+        return Finding("form cache", f"{text}; {damaged} cut short, which the next run replaces")
+    done = subprocess.run(
+        [sys.executable, "-c", _LOADING, str(place)], capture_output=True, text=True, check=False
+    )
+    last = done.stdout.splitlines()[-1] if done.stdout else str(place)
+    if done.returncode == 0 and last == "all":
+        return Finding("form cache", text)
+    remedy = f"{shlex.quote(last)} is damaged; run: rm {shlex.quote(last)}"
+    return Finding("form cache", remedy, works=False)
 
 
 def _trial() -> Iterator[Finding]:

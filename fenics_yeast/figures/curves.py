@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+_MOST_LABELS = 6  # beside a bar of colours
+
 LOST: dict[Status | None, str] = {
     "no-equilibrium": "equilibrium lost",
     "unbounded": "growth without bound",
@@ -49,13 +51,13 @@ def volume(
     Error bars become a band with its width in numbers, because most are thinner than the line.
     """
     with _volume_axes(path) as axes:
-        curve = Curve(scene.title, history, status)
+        curve = Curve(plain(scene.title), history, status)
         _draw_volume(axes, curve, COLOURS[0])
         saved = np.isin(history.time_min, scene.run.save if scene.run else ())
         axes.plot(
             history.time_min[saved], history.volume_ratio[saved], "o", color=COLOURS[0], ms=4.5
         )
-        axes.set_title(plain(curve.label))
+        axes.set_title(curve.label)
         if error_bars is not None:
             _draw_band(axes, history, error_bars)
 
@@ -76,7 +78,7 @@ def volumes(curves: Sequence[Curve], path: Path, title: str = "", heading: str =
     with _volume_axes(path) as axes:
         for curve, colour in zip(curves, colours, strict=True):
             _draw_volume(axes, curve, colour, note=len(curves) <= len(COLOURS))
-        axes.set_title(plain(title))
+        axes.set_title(title)
         _explain(axes, curves, heading, "upper left")
 
 
@@ -86,7 +88,7 @@ def pressures(curves: Sequence[Curve], path: Path, title: str = "", heading: str
         for curve, colour in zip(curves, _colours(len(curves)), strict=True):
             V, p = curve.history.volume_ratio, curve.history.pressure_MPa
             _draw_path(axes, V, p, curve.history.stable, colour, curve.label)
-        axes.set_title(plain(title))
+        axes.set_title(title)
         _explain(axes, curves, heading, "lower right")
 
 
@@ -138,12 +140,35 @@ def _colours(count: int) -> list[Any]:
 
 
 def _explain(axes: Axes, curves: Sequence[Curve], heading: str, place: str) -> None:
-    """Set a legend; for many curves it names some of them, evenly spread."""
-    handles, labels = (spread(each, len(COLOURS)) for each in axes.get_legend_handles_labels())
-    if len(curves) > len(COLOURS) and any(curve.status in LOST for curve in curves):
-        handles += axes.plot([], [], "x", color="0.4", ms=5, mew=1.8)
-        labels.append(" or ".join(LOST[s] for s in LOST if s in {c.status for c in curves}))
-    axes.legend(handles, labels, title=heading or None, loc=place, alignment="left")
+    """Set a legend; many curves have a bar of colours instead."""
+    handles, labels = axes.get_legend_handles_labels()
+    if len(curves) <= len(COLOURS):
+        axes.legend(handles, labels, title=heading or None, loc=place, alignment="left")
+        return
+    left, low = (0.04, 0.45) if place == "upper left" else (0.8, 0.2)
+    _add_colours(axes, curves, heading, left, low)
+    if any(curve.status in LOST for curve in curves):
+        marker = axes.plot([], [], "x", color="0.4", ms=5, mew=1.8)
+        label = " or ".join(LOST[s] for s in LOST if s in {c.status for c in curves})
+        axes.legend(marker, [label], loc=(left - 0.03, low - 0.16))
+
+
+def _add_colours(
+    axes: Axes, curves: Sequence[Curve], heading: str, left: float, low: float
+) -> None:
+    """Draw the colours of curves in their order, with some of the labels, at a place in axes."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, Normalize
+
+    number = len(curves)
+    colours = ScalarMappable(Normalize(-0.5, number - 0.5), ListedColormap(_colours(number)))
+    beside = axes.inset_axes((left, low, 0.035, 0.42))
+    bar = axes.figure.colorbar(colours, cax=beside)
+    shown = spread(range(number), _MOST_LABELS)
+    bar.set_ticks(list(shown), labels=[curves[i].label for i in shown])
+    bar.outline.set_visible(False)  # type: ignore[operator]
+    beside.tick_params(length=0)
+    beside.set_title(heading, loc="left")
 
 
 def smooth(history: History) -> tuple[Array, Array]:
@@ -186,7 +211,7 @@ def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
 def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> None:
     """Draw a curve; mark where its run lost equilibrium and, with a note, when."""
     history = curve.history
-    axes.plot(*smooth(history), color=colour, label=plain(curve.label))
+    axes.plot(*smooth(history), color=colour, label=curve.label)
     if curve.status == "unbounded":
         axes.set_yscale("log")
     if curve.status in LOST and len(history):

@@ -330,6 +330,9 @@ class Transient:
     def _failed(self, reason: EquilibriumError | str) -> Outcome:
         where = f"{self._time:g} min"
         failed = f"no convergence beyond {where}, even with the smallest step: {reason}"
+        rows = self._recorder.rows
+        if (infinite := blow_up_time(rows, broken_off=True)) is not None:
+            return growth_unbounded(infinite, rows[-1])
         return self._softened(where) or Outcome("failed", failed)
 
     def _softened(self, where: str) -> Outcome | None:

@@ -56,11 +56,11 @@ def draw_sweep(directory: Path, suffix: str = ".png") -> list[Path]:
         _draw_line(path, labels[0], rows, scene.title)
         return [path]
     curves = [
-        Curve(value_label(row.values[0]), read_history(directory / row.case), row.status)
+        Curve(plain(value_label(row.values[0])), read_history(directory / row.case), row.status)
         for row in rows
     ]
     together = volumes if scene.run is not None else pressures
-    together(curves, path, scene.title, heading=labels[0])
+    together(curves, path, plain(scene.title), heading=labels[0])
     return [path]
 
 

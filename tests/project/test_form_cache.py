@@ -77,9 +77,27 @@ def test_a_damaged_library_is_compiled_again(tmp_path: Path, kept: float) -> Non
     info = [sys.executable, "-m", "fenics_yeast", "info"]
     environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
     said = subprocess.run(info, env=environment, capture_output=True, text=True, check=True).stdout
-    assert f"{len(libraries)} damaged, which the next run compiles again" in said
+    assert f"{len(libraries)} cut short, which the next run replaces" in said
     assert start(tmp_path).communicate() == ANSWER
     assert all(library.stat().st_size > 1000 for library in libraries)
+
+
+@pytest.mark.process
+def test_info_names_a_library_that_cannot_be_loaded(tmp_path: Path) -> None:
+    """As long as it was, with zeros in place of its beginning."""
+    assert start(tmp_path).communicate() == ANSWER
+    library = next(tmp_path.glob("fenics-yeast/*/*.so"))
+    with open(library, "r+b") as file:
+        file.seek(64)
+        file.write(bytes(2000))
+    info = [sys.executable, "-m", "fenics_yeast", "info"]
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
+    done = subprocess.run(info, env=environment, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert f"{library} is damaged; run: rm {library}" in done.stdout
+    assert "Traceback" not in done.stdout + done.stderr
+    library.unlink()
+    assert start(tmp_path).communicate() == ANSWER
 
 
 @pytest.mark.process
