@@ -9,8 +9,8 @@ from .history import Row
 
 _LARGE = 100.0  # V/V0 below which growth is not examined
 _HUGE = 1e4  # V/V0 that no limit point has
-_AGREEMENT = 3e-5  # relative change of the estimated time from step to step, at that volume
-_MOST_DISAGREEMENT = 1e-2  # and at any larger one
+_SOON = 1.01  # estimated time over that of the last step, where no step leads on
+_AGREEMENT = 3e-5  # relative change of the estimated time from step to step
 _STEADY = 0.1  # relative change of the exponent from step to step
 
 
@@ -18,8 +18,7 @@ def blow_up_time(rows: Sequence[Row], broken_off: bool = False) -> float | None:
     """Return the time t* in min at which the volume of a growing cell becomes infinite.
 
     Close to it `V ~ (t* - t)^-a`. Three rows determine t* and a, which must agree with those of
-    the rows before; a limit point, where the volume stays finite, gives no steady exponent. The
-    larger the cell, the less they must agree, as their steps are limited by other things then.
+    the rows before; a limit point, where the volume stays finite, gives no steady exponent.
 
     Parameters
     ----------
@@ -37,17 +36,16 @@ def blow_up_time(rows: Sequence[Row], broken_off: bool = False) -> float | None:
         return None
     estimates = [_power_law(rows[i - 2], rows[i - 1], rows[i]) for i in (-3, -2, -1)]
     times, exponents = zip(*estimates, strict=True)
-    last, allowed = rows[-1], _AGREEMENT * (rows[-1].volume_ratio / _LARGE) ** 0.5
+    last = rows[-1]
     if broken_off:
         if last.volume_ratio < _HUGE:
             return None
-        return times[-1] if times[-1] < (1 + _MOST_DISAGREEMENT) * last.time_min else last.time_min
+        return times[-1] if times[-1] < _SOON * last.time_min else last.time_min
     if inf in times:
         return None
     spread = max(times) - min(times)
     steady = max(exponents) < (1 + _STEADY) * min(exponents)
-    agree = spread < min(allowed, _MOST_DISAGREEMENT) * times[-1]
-    return times[-1] if steady and agree else None
+    return times[-1] if steady and spread < _AGREEMENT * times[-1] else None
 
 
 def _power_law(first: Row, second: Row, third: Row) -> tuple[float, float]:

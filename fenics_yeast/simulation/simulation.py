@@ -179,7 +179,9 @@ class Simulation:
 
     def _warnings(self, estimate: ErrorEstimate) -> Iterator[str]:
         """Yield what must be known of the run even if it ended well."""
-        if (inaccurate := tolerance_warning(self._scene, estimate)) is not None:
+        finished = self._outcome is not None and self._outcome.status == "finished"
+        inaccurate = tolerance_warning(self._scene, estimate)
+        if finished and inaccurate is not None:  # V/V0 has no error where it becomes infinite
             yield inaccurate
         cell = self._scene.cell
         if isinstance(cell, ProfileCell) and cell.smoothing.stress_error > _NOTABLE:

@@ -57,3 +57,20 @@ def test_too_few_points_are_said(cell_scene: Scene, tmp_path) -> None:
     assert "more than the tolerance 0.001" in warning
     assert warning.endswith("increase numerics.thickness_points")
     assert summary.error_estimate.thickness_points == pytest.approx(0.058 / 9, rel=1e-6)
+
+
+def test_conical_elements_are_as_many_as_the_tolerance_asks(cell_scene: Scene) -> None:
+    """Their own limit is 1.26052 at 85 min with five points: 960 elements of degree 1."""
+    scene = cell_scene.with_values(
+        {"turgor.ramp": 0, "run": {"end": 85}, "numerics": {"geometry": "conical"}}
+    )
+    found = simulate(scene).history.volume_ratio[-1]
+    assert found == pytest.approx(1.26052, rel=1e-3)
+
+
+def test_external_pressure_beyond_the_limit_has_its_name(cell_scene: Scene) -> None:
+    scene = cell_scene.with_values({"turgor.pressure": -1.0, "run": {"end": 10}, "numerics": {}})
+    result = simulate(scene)
+    assert result.status == "no-equilibrium"
+    assert "limit pressure exceeded" in result.message and "external" in result.message
+    assert result.warnings == ()
