@@ -136,14 +136,14 @@ class ProgressLine:
         from rich import box
         from rich.table import Table
 
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1))
         headings = ["time (min)", "V/V0", "height (µm)"]
         if self._scene.growth is not None:
             headings += ["bud radius (µm)", "neck radius (µm)"]
         if self._narrow:
-            headings = headings[:2]
+            headings = ["min", "V/V0"]
         for heading in headings:
-            table.add_column(heading, justify="right")
+            table.add_column(heading, justify="right", no_wrap=self._narrow)
         shown = [result.history.at(profile.time) for profile in result.profiles]
         if len(result.history) and result.history.rows[-1] not in shown:
             shown.append(result.history.rows[-1])

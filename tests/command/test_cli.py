@@ -283,8 +283,7 @@ def test_tables_are_readable_on_a_narrow_terminal(here: Path, width: int) -> Non
             break
     os.close(master)
     assert run.wait() == 0
-    table = shown.decode().replace("\r", "")
-    table = table[table.rindex("time") :].splitlines()
+    table = shown.decode().replace("\r", "").splitlines()
     history = read_history(here / "out" / "small")
     for t in (10, 20):
         assert any(

@@ -58,13 +58,14 @@ def potential(shell, w: np.ndarray, eps_g: np.ndarray) -> complex:
     L, middle = np.diff(S), (S[1:] + S[:-1]) / 2
     shear, parent = shell.space.sub(1).collapse()
     place = shear.tabulate_dof_coordinates()[:, 0]
-    Q = w[np.ravel(parent)[np.argsort(place)]]
+    Q = MU * H * shell.rotation / 4 * w[np.ravel(parent)[np.argsort(place)]]
     curve = shell.discretisation.curve
     R, Phi, Phi_S = curve.radius(middle), curve.angle(middle), curve.curvature(middle)
     mean = (w[motion[1:]] + w[motion[:-1]]) / 2
     slope = (w[motion[1:]] - w[motion[:-1]]) / L[:, None]
 
-    r, psi, psi_S = R + mean[:, 0], Phi + mean[:, 2], Phi_S + slope[:, 2]
+    psi, psi_S = Phi + shell.rotation * mean[:, 2], Phi_S + shell.rotation * slope[:, 2]
+    r = R + mean[:, 0]
     r_S, z_S = np.cos(Phi) + slope[:, 0], np.sin(Phi) + slope[:, 1]
     gamma = r_S * np.sin(psi) - z_S * np.cos(psi)
     E1b = (r_S * np.cos(psi) + z_S * np.sin(psi)) * psi_S - Phi_S
