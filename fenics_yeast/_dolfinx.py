@@ -92,6 +92,23 @@ def shell_space(mesh: Any, order: int) -> Any:
     return _space(mesh, ufl.MixedElement([motion, shear]))
 
 
+def circumferential_space(mesh: Any, order: int, bending: bool) -> Any:
+    """Return the space of ``(a, s, c, β, τ)`` and two shear forces, or ``(a, s, c)``."""
+    if basix_ufl is not None:
+        cell = mesh.basix_cell()
+        motion = basix_ufl.element("Lagrange", cell, order, shape=(5 if bending else 3,))
+        if not bending:
+            return _space(mesh, motion)
+        shear = basix_ufl.element("DG", cell, order - 1, shape=(2,))
+        return _space(mesh, basix_ufl.mixed_element([motion, shear]))
+    cell = mesh.ufl_cell()
+    motion = ufl.VectorElement("Lagrange", cell, order, dim=5 if bending else 3)
+    if not bending:
+        return _space(mesh, motion)
+    shear = ufl.VectorElement("DG", cell, order - 1, dim=2)
+    return _space(mesh, ufl.MixedElement([motion, shear]))
+
+
 def membrane_space(mesh: Any, order: int) -> Any:
     """Return the continuous space of ``(u_r, u_z)``."""
     if basix_ufl is not None:

@@ -5,7 +5,6 @@ Modules that only a run or a figure needs are imported in functions, to keep sta
 
 from __future__ import annotations
 
-import os
 from importlib.resources import files
 from pathlib import Path
 from shlex import quote
@@ -28,10 +27,10 @@ from .exits import (
     on_terminal,
     terminated_as_interrupted,
 )
+from .options import Assignments, Quiet, SceneFile, completed
 
 if TYPE_CHECKING:
     from ..simulation import Result
-    from ..studies import Case, CaseRow
     from .terminal import Lines, ProgressLine
 
 _BEGAN = perf_counter()
@@ -61,25 +60,6 @@ def _options(
     ] = False,
 ) -> None:
     """Simulate walled-cell growth under turgor with an axisymmetric shell model."""
-
-
-def _completed(incomplete: str) -> list[tuple[str, str]]:
-    from .completion import assignments
-
-    return assignments(incomplete)
-
-
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).")]
-Assignments = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="TABLE.KEY=VALUE",
-        help='Override a value, e.g. growth.time="30 min"; repeatable.',
-        autocompletion=_completed,
-    ),
-]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
 
 
 @app.command()
@@ -162,7 +142,7 @@ def sweep(
             "--vary",
             metavar="TABLE.KEY=V1,V2,...",
             help="Values V1,V2,... or range A:B:N (N values from A to B); repeatable.",
-            autocompletion=_completed,
+            autocompletion=completed,
         ),
     ],
     assignments: Assignments = None,
@@ -192,6 +172,7 @@ def sweep(
     cases ended (with or without an equilibrium); 4 some failed; 1, 2, 130 as for run.
     """
     from ..studies import parse_variation, plan
+    from .sweep import sweep_into
 
     try:
         scene = _load(scene_file, assignments)
@@ -208,7 +189,7 @@ def sweep(
     keys = [parameter.key for parameter in parameters]
     try:
         with terminated_as_interrupted():
-            rows = _sweep(directory, keys, cases, jobs, quiet)
+            rows = sweep_into(directory, keys, cases, jobs, quiet)
     except KeyboardInterrupt:
         fail("interrupted; rerun the same command to continue", INTERRUPTED)
     if failed := [row for row in rows if not row.answered]:
@@ -216,37 +197,45 @@ def sweep(
         fail(f"{counts}, first {failed[0].case}; see sweep.csv", FAILED)
 
 
-def _sweep(
-    directory: Path, keys: list[str], cases: list[Case], jobs: int | None, quiet: bool
-) -> list[CaseRow]:
-    from ..output import DolfinxMissing, OutputError, writing
-    from ..studies import TABLE, draw_sweep, run_sweep
-    from .sweep_terminal import SweepBar, SweepLines, tally
-    from .terminal import print_line
+@app.command()
+def modes(
+    scene_file: SceneFile,
+    waves: Annotated[
+        str,
+        typer.Option(metavar="A:B", help="Numbers of waves around the axis (default: 0:12)."),
+    ] = "0:12",
+    assignments: Assignments = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Output directory (default: out/<scene name>-modes).",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Find the external pressures at which an unloaded wall buckles.
 
-    # Threads of NumPy would compete with the worker processes.
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    comm = launched()
-    screen = (SweepBar if on_terminal() else SweepLines)(keys)
-    jobs = jobs or len(os.sched_getaffinity(0))
+    Linear buckling, without growth and loads. Writes modes.csv, modes.png and, for ParaView,
+    mode.vtu with the first mode.
+    """
+    from ..output import OutputError
+    from .modes import find_modes, parse_waves
+
     try:
-        if quiet:
-            rows = run_sweep(directory, keys, cases, jobs=jobs, comm=comm)
-        else:
-            with screen:
-                rows = run_sweep(directory, keys, cases, jobs=jobs, comm=comm, screen=screen)
-        if comm is not None and comm.rank > 0:
-            return []
-        with writing(directory):
-            drawn = draw_sweep(directory)
-    except OutputError as error:
+        scene = _load(scene_file, assignments)
+        directory = Path("out", f"{scene.name}-modes") if out is None else out
+        found = find_modes(scene, parse_waves(waves), directory)
+    except (SceneError, OutputError) as error:
         fail(str(error), BAD_INPUT)
-    except DolfinxMissing as error:
+    except ImportError as error:
         fail(str(error), BROKEN)
-    if not quiet:
-        figure = f", {drawn[0]}" if drawn else ""
-        print_line(f"{tally(rows)}; see {directory / TABLE}{figure}")
-    return rows
+    except KeyboardInterrupt:
+        fail("interrupted", INTERRUPTED)
+    for mode in found:
+        pressure = "none" if mode.pressure is None else f"{mode.pressure:.6g} MPa"
+        typer.echo(f"{mode.waves:3} waves: {pressure}")
+    typer.echo(f"see {directory}")
 
 
 @app.command()

@@ -4,6 +4,7 @@ Knows neither scenes nor solvers. A law is one UFL function; its derivatives com
 """
 
 from . import growth_laws, hyperelasticity
+from .circumferential import SecondVariation
 from .growth_laws import WallPoint
 from .growth_state import GrowthState
 from .growth_weights import Gaussian, Weight
@@ -15,7 +16,7 @@ from .shell import Shell, ShellState
 
 __all__ = [
     "Approximation", "DofValues", "Gaussian", "GrowthState", "Law", "Order", "Ordering",
-    "OwnLaw", "Parameter", "PointValues", "QuadraturePoints", "Shell", "ShellState", "WallPoint",
-    "WallProperties", "Weight", "growth_laws", "hyperelasticity", "own_energy",
-    "own_growth_law",
+    "OwnLaw", "Parameter", "PointValues", "QuadraturePoints", "SecondVariation", "Shell",
+    "ShellState", "WallPoint", "WallProperties", "Weight", "growth_laws", "hyperelasticity",
+    "own_energy", "own_growth_law",
 ]  # fmt: skip

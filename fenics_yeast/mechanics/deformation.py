@@ -28,6 +28,8 @@ class Deformation:
         same as a UFL variable, the only argument of the energy that depends on the state.
     eps
         Logarithmic strains `(ε1, ε2)` at each through-thickness integration point.
+    current, Phi, Phi_S
+        The current meridian, and angle and curvature of the unloaded one.
     gamma, Q
         Shear strain and shear force; None for a membrane.
     """
@@ -37,6 +39,9 @@ class Deformation:
     strain: Any
     E: Any
     eps: list[Any]
+    current: Meridian
+    Phi: Any
+    Phi_S: Any
     gamma: Any = None
     Q: Any = None
 
@@ -60,18 +65,32 @@ class Deformation:
         varied = kinematics.Strains(E[0], E[1], E[2], E[3], parts.gamma)
         eps = [_logarithmic(kinematics.green_lagrange(varied, xi)) for xi in section.distances]
         enclosed = current.r**2 * current.z_S / 2
-        return cls(R, enclosed, strain, E, eps, parts.gamma, section.shear_force * Q)
+        place = current, Phi, Phi_S
+        return cls(R, enclosed, strain, E, eps, *place, parts.gamma, section.shear_force * Q)
 
     @classmethod
     def of_membrane(cls, reference_meridian: Any, w: Any) -> Deformation:
         """Return the strains of `(u_r, u_z)` at the mid-surface."""
-        R, Phi, _ = reference_meridian
+        R, Phi, Phi_S = reference_meridian
         u_r, u_z = (w[i] for i in range(2))
         r, r_S, z_S = R + u_r, ufl.cos(Phi) + u_r.dx(0), ufl.sin(Phi) + u_z.dx(0)
         strain = ufl.as_vector(kinematics.membrane_strains(R, r, r_S, z_S))
         E = ufl.variable(strain)
         eps = [_logarithmic((E[0], E[1]))]
-        return cls(R, r**2 * z_S / 2, strain, E, eps)
+        psi = ufl.atan2(z_S, r_S) if hasattr(ufl, "atan2") else ufl.atan_2(z_S, r_S)
+        return cls(R, r**2 * z_S / 2, strain, E, eps, Meridian(r, r_S, z_S, psi, None), Phi, Phi_S)
+
+
+def resultants(section: Section, deformation: Deformation, eps_g: list[Any]) -> list[Any]:
+    """Return the parts of the resultants `(N1, N2, M1, M2)` of each integration point.
+
+    `eps_g` has the growth strains at each; it is empty where the wall is elastic.
+    """
+    parts = []
+    for j, (weight, eps) in enumerate(zip(section.weights, deformation.eps, strict=True)):
+        energy = weight * section.material.energy(eps, eps_g[j] if eps_g else None)
+        parts.append(ufl.diff(energy, deformation.E))
+    return parts
 
 
 def _logarithmic(E: tuple[Any, Any]) -> Any:

@@ -9,7 +9,7 @@ import ufl
 
 from .. import _dolfinx as dx
 from . import growth_laws
-from .deformation import Deformation
+from .deformation import Deformation, resultants
 from .growth_state import GrowthState
 from .quadrature import EvaluatedFunction
 from .reference import AXIAL, ELASTIC, GROWING, Reference
@@ -55,13 +55,13 @@ class Forms:
         d_E = ufl.derivative(deformation.strain, w, v)
         D_E = ufl.derivative(deformation.strain, w, dw)
         dD_E = ufl.derivative(d_E, w, dw)
-        resultants = {ELASTIC: self._resultants([])}
+        parts_of = {ELASTIC: resultants(section, deformation, [])}
         eps_g: list[Any] = []
         if growth is not None:
             eps_g = [ufl.variable(growth.strain(j)) for j in range(len(deformation.eps))]
-            resultants[GROWING] = self._resultants(eps_g)
+            parts_of[GROWING] = resultants(section, deformation, eps_g)
         residual, tangent = 0, 0
-        for tag, parts in resultants.items():
+        for tag, parts in parts_of.items():
             dS, N = self._dS(tag), reduce(add, parts)
             rest = ufl.derivative(self._lagrangian() * dS, w, v)
             residual += ufl.dot(N, d_E) * R * dS + rest
@@ -83,7 +83,7 @@ class Forms:
         self.volume = dx.compile_form(2 * np.pi * enclosed)
         self.consistent_tangent = self.stage_force = self.dissipation = None
         if growth is not None:
-            by_growth = [ufl.diff(N, g) for N, g in zip(resultants[GROWING], eps_g, strict=True)]
+            by_growth = [ufl.diff(N, g) for N, g in zip(parts_of[GROWING], eps_g, strict=True)]
             dN_dE, dN_dstage = self._through_growth(growth, by_growth)
             dS = self._dS(GROWING)
             tangent += ufl.dot(d_E, dN_dE * D_E) * R * dS
@@ -103,14 +103,6 @@ class Forms:
             return -pressure * wall.enclosed
         shear = (wall.Q * wall.gamma - wall.Q**2 * self._section.compliance / 2) * wall.R
         return shear - pressure * wall.enclosed
-
-    def _resultants(self, eps_g: list[Any]) -> list[Any]:
-        """Return the resultants' parts of each integration point; `eps_g` is empty if elastic."""
-        wall, parts = self._deformation, []
-        for j, (weight, eps) in enumerate(zip(self._section.weights, wall.eps, strict=True)):
-            energy = weight * self._section.material.energy(eps, eps_g[j] if eps_g else None)
-            parts.append(ufl.diff(energy, wall.E))
-        return parts
 
     def _opening(self, v: Any) -> Any:
         """Return the work of unit pressure on the opening of a free upper edge, if there is one."""

@@ -8,6 +8,7 @@ import numpy as np
 from .. import _dolfinx as dx
 from ..geometry import Array, Discretisation
 from . import kinematics
+from .circumferential import SecondVariation
 from .deformation import Deformation
 from .forms import Forms
 from .growth_state import GrowthState
@@ -91,6 +92,7 @@ class Shell:
         comm: Any,
     ) -> None:
         self.discretisation = discretisation
+        self._order = approximation.order
         self._reference = reference = Reference(discretisation, comm, approximation.order)
         self.mesh, self.comm = reference.mesh, reference.mesh.comm
         self.points, self.growing_points = reference.points, reference.growing_points
@@ -111,13 +113,24 @@ class Shell:
             deformation = Deformation.of_shell(meridian, self.w, section)
         else:
             deformation = Deformation.of_membrane(meridian, self.w)
-        self.eps = deformation.eps
+        self.eps, self._deformation, self._section = deformation.eps, deformation, section
         law = wall.growth_law
         self.growth = None if law is None else self._growth_state(law, deformation)
         self.forms = Forms(reference, section, self.w, deformation, self.pressure, self.growth)
         loaded = discretisation.loaded
         self.force = None if loaded is None else NodalForce(self.w, self.comm, loaded, h)
         self.reference_volume = self._reference_volume()
+
+    def second_variation(self) -> SecondVariation:
+        """Compile the second variation for perturbations with waves around the axis."""
+        return SecondVariation(
+            self._reference,
+            self._section,
+            self._deformation,
+            self.pressure,
+            self.growth,
+            self._order,
+        )
 
     def _growth_state(self, law: Law, deformation: Deformation) -> GrowthState:
         fields: list[WeightField] = []

@@ -209,9 +209,20 @@ class OutputFolder:
 
 def _line(row: Row) -> str:
     """Values of a row as Python numbers, which print all their digits."""
-    return ",".join(repr(column_type(name)(getattr(row, name))) for name in COLUMNS) + "\n"
+    values = ((_type(name), getattr(row, name)) for name in COLUMNS)
+    return ",".join("" if v is None else repr(kind(v)) for kind, v in values) + "\n"
 
 
-def column_type(column: str) -> type[float] | type[int]:
-    """Return the type of the numbers in a column of the history."""
-    return int if column in ("newton_iterations", "stable") else float
+def read_value(column: str, text: str) -> float | int | None:
+    """Return a value of a column of the history; None where it is empty.
+
+    Raises
+    ------
+    ValueError
+        If it is no number, or missing where it must not be.
+    """
+    return None if column == "unstable_waves" and not text else _type(column)(text)
+
+
+def _type(column: str) -> type[float] | type[int]:
+    return int if column in ("newton_iterations", "stable", "unstable_waves") else float

@@ -9,7 +9,7 @@ from ..scene import Scene
 from ..simulation import COLUMNS, History, Profile, Profiles, Result, Row, discretise
 from .errors import OutputError
 from .files import HISTORY, PROFILES, RUN, SCENE
-from .folder import column_type
+from .folder import read_value
 from .summary import read_summary
 
 
@@ -59,7 +59,7 @@ def read_history(directory: Path) -> History:
     for number, line in enumerate(lines[1:], start=2):
         try:
             values = dict(zip(columns, line.split(","), strict=True))
-            numbers = {name: column_type(name)(values[name]) for name in COLUMNS}
+            numbers = {name: read_value(name, values[name]) for name in COLUMNS}
             rows.append(Row(**numbers | {"stable": bool(numbers["stable"])}))  # type: ignore[arg-type]
         except ValueError:
             raise OutputError(f"{path}: line {number} is damaged; rerun the scene") from None

@@ -9,7 +9,7 @@ from typing import Any, Self, get_args
 
 import numpy as np
 
-from ..simulation import ErrorBars, ErrorEstimate, Result, Status, Timings
+from ..simulation import Bifurcation, ErrorBars, ErrorEstimate, Result, Status, Timings
 from .errors import OutputError
 from .files import RUN
 
@@ -31,6 +31,7 @@ class Summary:
     newton_iterations: int
     timings: Timings
     error_estimate: ErrorEstimate | None = None
+    bifurcation: Bifurcation | None = None
     warnings: tuple[str, ...] = ()
     error_bars: ErrorBars | None = None
 
@@ -48,6 +49,7 @@ class Summary:
             newton_iterations=int(result.newton_iterations),
             timings=timings,
             error_estimate=result.error_estimate,
+            bifurcation=result.bifurcation,
             warnings=result.warnings,
             error_bars=result.error_bars,
         )
@@ -57,6 +59,7 @@ class Summary:
         errors = self.error_estimate
         content = vars(self) | {
             "timings": asdict(self.timings),
+            "bifurcation": self.bifurcation and asdict(self.bifurcation),
             "error_estimate": errors and asdict(errors) | {"total": errors.total},
         }
         if self.error_bars is None:
@@ -86,6 +89,8 @@ def read_summary(directory: Path) -> Summary | None:
         if errors := content.get("error_estimate"):
             del errors["total"]  # the sum of the others
             content["error_estimate"] = ErrorEstimate(**errors)
+        if bifurcation := content.get("bifurcation"):
+            content["bifurcation"] = Bifurcation(**bifurcation)
         content["warnings"] = tuple(content.get("warnings", ()))
         if "error_bars" in content:
             content["error_bars"] = _error_bars(content["error_bars"])

@@ -21,6 +21,9 @@ class Run(Table):
     stop_at_contact: bool = Field(
         default=False, description="whether to end where the wall touches itself"
     )
+    stop_at_bifurcation: bool = Field(
+        default=False, description="whether to end where the first equilibrium is unstable"
+    )
 
     @field_validator("save")
     @classmethod
@@ -94,6 +97,9 @@ class StaticPath(Table):
 
     stop_at_contact: bool = Field(
         default=False, description="whether to end where the wall touches itself"
+    )
+    stop_at_bifurcation: bool = Field(
+        default=False, description="whether to end where the first equilibrium is unstable"
     )
 
     @model_validator(mode="after")

@@ -13,6 +13,7 @@ from .ranks import RootError, on_root
 from .result import (
     ANSWERS,
     EXIT_STATUS,
+    Bifurcation,
     ErrorBars,
     ErrorEstimate,
     Observer,
@@ -23,20 +24,23 @@ from .result import (
 from .separation import pieces
 
 if TYPE_CHECKING:
+    from .buckling import BucklingMode, buckling_modes
     from .build import build_shell
     from .checkpoint import Checkpoint, CheckpointError, ResumePoint
     from .simulation import Simulation, simulate
 
 __all__ = [
-    "ANSWERS", "COLUMNS", "EXIT_STATUS", "Checkpoint", "CheckpointError", "Digest",
-    "ErrorBars",
-    "ErrorEstimate", "History", "Observer", "Observers", "Profile", "Profiles", "Result",
-    "ResumePoint", "RootError", "Row", "Simulation", "Status", "Timings", "build_shell",
-    "discretise", "on_root", "pieces", "simulate",
+    "ANSWERS", "COLUMNS", "EXIT_STATUS", "Bifurcation", "BucklingMode", "Checkpoint",
+    "CheckpointError", "Digest", "ErrorBars", "ErrorEstimate", "History", "Observer",
+    "Observers", "Profile", "Profiles", "Result", "ResumePoint", "RootError", "Row",
+    "Simulation", "Status", "Timings", "buckling_modes", "build_shell", "discretise", "on_root",
+    "pieces", "simulate",
 ]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.
 _LATE = {
+    "BucklingMode": "buckling",
+    "buckling_modes": "buckling",
     "Checkpoint": "checkpoint",
     "CheckpointError": "checkpoint",
     "Simulation": "simulation",

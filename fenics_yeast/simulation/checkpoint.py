@@ -20,7 +20,7 @@ from .step_errors import StepErrorState
 
 Values = NDArray[Any]
 
-FORMAT = 4
+FORMAT = 5
 _FORMAT, _DIGEST = "format", "sha256"
 
 

@@ -39,9 +39,12 @@ class Row:
     newton_iterations
         Newton iterations of that step.
     stable
-        Whether no small axisymmetric perturbation at given growth and loads moves the state away.
+        Whether no small perturbation at given growth and loads moves the state away.
     force_uN, displacement_um
         Force of the table `[load]` and its displacement; 0 without it.
+    unstable_waves
+        Smallest number of waves around the axis of a perturbation that moves the state away, 0 if
+        that is axisymmetric; None while the state is stable.
     """
 
     time_min: float
@@ -58,6 +61,7 @@ class Row:
     stable: bool
     force_uN: float = 0.0
     displacement_um: float = 0.0
+    unstable_waves: int | None = None
 
 
 COLUMNS = tuple(field.name for field in fields(Row))
@@ -73,7 +77,8 @@ class Digest:
 
     def add(self, row: Row) -> None:
         """Add a row."""
-        self._hash.update(repr([float(value) for value in astuple(row)]).encode())
+        values = [None if value is None else float(value) for value in astuple(row)]
+        self._hash.update(repr(values).encode())
 
     @property
     def text(self) -> str:
@@ -84,7 +89,8 @@ class Digest:
 class History:
     """The accepted states of a run, a NumPy array for each column of `Row`.
 
-    ``history.volume_ratio`` is the array of all rows; ``history.at(90)`` is the row at 90 min.
+    ``history.volume_ratio`` is the array of all rows; ``history.at(90)`` is the row at 90 min. In
+    ``unstable_waves``, stable rows have "not a number".
 
     Attributes
     ----------
@@ -106,11 +112,13 @@ class History:
     stable: NDArray[np.bool_]
     force_uN: Array
     displacement_um: Array
+    unstable_waves: Array
 
     def __init__(self, rows: Iterable[Row]) -> None:
         self.rows: Sequence[Row] = tuple(rows)
         for name in COLUMNS:
-            setattr(self, name, np.array([getattr(row, name) for row in self.rows]))
+            values = [getattr(row, name) for row in self.rows]
+            setattr(self, name, np.array([np.nan if v is None else v for v in values]))
 
     def __len__(self) -> int:
         return len(self.rows)

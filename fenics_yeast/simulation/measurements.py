@@ -11,6 +11,8 @@ from ..mechanics import Order, Shell, WallPoint
 from .contact import touches_itself
 from .profiles import Profile
 
+_NOISE = 1e-6  # stress over Young's modulus, far below that of any buckle
+
 
 class Sizes(NamedTuple):
     """Pole height, largest radius of growing zones and of their edges in µm, growth strain."""
@@ -49,6 +51,7 @@ class Measurements:
         points = shell.points.at(shell.points.owned)
         self._S_points = points.S.ravel()
         self._points = Order(shell.comm, self._S_points)
+        self._weights = np.polynomial.legendre.leggauss(len(shell.eps))[1]
         self._fields = points.compile(self._point_fields())
 
     def _point_fields(self) -> list[object]:
@@ -83,6 +86,14 @@ class Measurements:
             first, last = (end == "pole" for end in shell.discretisation.ends)
             found = touches_itself(places[:, 0], places[:, 1], shell.thickness, (first, last))
         return bool(shell.comm.bcast(found))
+
+    def in_tension(self) -> bool:
+        """Whether the mean Cauchy stress through the wall is nowhere compressive, but for noise."""
+        fields = self._fields().reshape(len(self._S_points), -1, 3, 2)
+        mean = np.einsum("j,ijk->ik", self._weights, fields[:, :, 1])
+        least = self._shell.comm.allreduce(mean.min(initial=np.inf), op=dx.MPI.MIN)
+        shell = self._shell
+        return bool(least >= -_NOISE * shell.membrane_stiffness / shell.thickness)
 
     def elastic_strain(self) -> Array:
         """Return elastic strains, meridional and hoop, at the points of this rank,

@@ -16,6 +16,31 @@ class Outcome(NamedTuple):
     time: float | None = None
 
 
+def reached_end(
+    end: float, grew: bool, late: bool, reductions: int, limited: str | None
+) -> Outcome:
+    """Return the end of a run that reached its end in min.
+
+    Parameters
+    ----------
+    end, grew
+        The end, and whether the wall has grown, if it can.
+    late
+        Whether growth begins only after the end.
+    reductions, limited
+        How often a fixed step was reduced; the method whose stability limit reduced all.
+    """
+    message = f"reached {end:g} min"
+    if not grew:
+        why = "growth.from is later" if late else "the stress stays below growth.threshold"
+        message += f"; nothing grew: {why}"
+    if limited is not None:
+        message += f"; steps reduced to the stability limit of {limited}"
+    elif reductions:
+        message += f"; {reductions} fixed step{'s' * (reductions != 1)} reduced"
+    return Outcome("finished", message)
+
+
 def limit_pressure_exceeded(limit: float, time: float | None = None) -> Outcome:
     """Return the end of a run at a limit pressure in MPa, at a time in min."""
     when = "" if time is None else f" beyond {time:g} min"
@@ -70,6 +95,23 @@ def stopped_at_contact(row: Row) -> Outcome:
     return Outcome("finished", f"the wall touches itself at {_place(row)}; stopped there")
 
 
+def stopped_at_bifurcation() -> Outcome:
+    """Return the end of a run that was to end at its first bifurcation."""
+    return Outcome("no-equilibrium", "stopped at a bifurcation")
+
+
+def _unstable_beyond(row: Row, waves: int) -> str:
+    where = f"{row.pressure_MPa:.6g} MPa, V/V0 = {row.volume_ratio:.6g}"
+    if row.force_uN != 0:
+        where = f"{row.force_uN:.6g} µN, {where}"
+    if row.time_min > 0:
+        where = f"{row.time_min:.6g} min, {where}"
+    mode = "an axisymmetric mode"
+    if waves > 0:
+        mode = f"a mode with {waves} wave{'s' * (waves > 1)} around the axis"
+    return f"unstable beyond {where} to {mode}"
+
+
 def contact_warning(row: Row, table: str) -> str:
     """Return what must be known of a run whose wall touches itself from a row on.
 
@@ -98,8 +140,13 @@ def _place(row: Row) -> str:
     return f"V/V0 = {row.volume_ratio:.5g}"
 
 
-def stability_note(rows: Sequence[Row]) -> str:
-    """Return the end of a message that says which accepted states are unstable."""
+def stability_note(rows: Sequence[Row], bifurcation: Sequence[int] = ()) -> str:
+    """Return the end of a message that says which accepted states are unstable.
+
+    `bifurcation` has the number of the last row before the first one, and the waves of its mode.
+    """
+    if bifurcation and bifurcation[1] > 0:
+        return f"; {_unstable_beyond(rows[bifurcation[0]], bifurcation[1])}"
     first = next((i for i, row in enumerate(rows) if not row.stable), None)
     if first is None:
         return ""

@@ -20,7 +20,8 @@ class RecorderState:
     """Numbers of rows, profiles, rejected steps and Newton iterations.
 
     `saved` says whether the last profile is that of the last row, `contact` is the number of the
-    first row in which the wall touches itself, `digest` that of all rows.
+    first row in which the wall touches itself, `digest` that of all rows; `bifurcation` has the
+    number of the last row before the first bifurcation, and the waves of the mode beyond it.
     """
 
     rows: int
@@ -30,17 +31,18 @@ class RecorderState:
     iterations: int
     contact: int | None
     digest: str
+    bifurcation: tuple[int, ...]
 
 
 class Recorder:
     """Records accepted states and profiles of a shell; its methods are collective.
 
     `rows` and `profiles` are complete on rank 0; other ranks have only the rows. `news` has those
-    that have not been published yet. `contact` is as in `RecorderState`.
+    that have not been published yet. `contact` and `bifurcation` are as in `RecorderState`.
     """
 
     def __init__(self, shell: Shell) -> None:
-        self._shell, self._measurements = shell, Measurements(shell)
+        self._shell, self.measurements = shell, Measurements(shell)
         self._accepted: tuple[ShellState, float] | None = None
         self._saved = True
         self.rows: list[Row] = []
@@ -48,6 +50,7 @@ class Recorder:
         self.news: deque[Row | Profile | None] = deque()
         self.rejected = self.iterations = 0
         self.contact: int | None = None
+        self.bifurcation: tuple[int, ...] = ()
         self._digest = Digest()
         self.output_s = 0.0
 
@@ -55,8 +58,9 @@ class Recorder:
         """Return how much has been recorded."""
         counts = len(self.rows), len(self.profiles), self._saved
         return RecorderState(
-            *counts, self.rejected, self.iterations, self.contact, self._digest.text
-        )
+            *counts, self.rejected, self.iterations, self.contact, self._digest.text,
+            self.bifurcation,
+        )  # fmt: skip
 
     def restore(
         self, state: RecorderState, rows: Iterable[Row], profiles: Iterable[Profile]
@@ -66,11 +70,15 @@ class Recorder:
         self.rejected, self.iterations = state.rejected, state.iterations
         self._accepted = (self._shell.state(), float(self._shell.pressure.value))
         self._saved, self.contact = state.saved, state.contact
+        self.bifurcation = state.bifurcation
         self._digest = Digest(self.rows)
 
-    def accept(self, time: float, step: float, iterations: int, stable: bool) -> Row:
-        """Record the shell's state as accepted, at a time in min after a step of some length."""
-        shell, sizes = self._shell, self._measurements.sizes()
+    def accept(self, time: float, step: float, iterations: int, unstable: int | None) -> Row:
+        """Record the shell's state as accepted, at a time in min after a step of some length.
+
+        `unstable` is the smallest number of waves with a falling direction, if there is one.
+        """
+        shell, sizes = self._shell, self.measurements.sizes()
         self.iterations += iterations
         volume, pressure = shell.volume(), float(shell.pressure.value)
         row = Row(
@@ -85,13 +93,16 @@ class Recorder:
             dissipation_rate=shell.dissipation_rate(),
             step_min=step,
             newton_iterations=iterations,
-            stable=stable,
+            stable=unstable is None,
             force_uN=0.0 if shell.force is None else shell.force.value,
             displacement_um=0.0 if shell.force is None else shell.force.displacement(),
+            unstable_waves=unstable,
         )
         self._accepted, self._saved = (shell.state(), pressure), False
         if self.contact is None and self.in_contact():
             self.contact = len(self.rows)
+        if unstable is not None:
+            self.pass_bifurcation(unstable)
         self.rows.append(row)
         self._digest.add(row)
         self.news.append(row)
@@ -102,14 +113,19 @@ class Recorder:
         self.rejected += 1
         self.iterations += iterations
 
+    def pass_bifurcation(self, waves: int) -> None:
+        """Note that beyond the last row a mode with a number of waves falls, if it is the first."""
+        if not self.bifurcation:
+            self.bifurcation = (max(0, len(self.rows) - 1), waves)
+
     def in_contact(self) -> bool:
         """Whether the wall touches itself in the trial state."""
-        return self._measurements.in_contact()
+        return self.measurements.in_contact()
 
     def softest_stretch(self, wall: AnyWall) -> float | None:
         """Return the least stretch, in the trial state, at which the wall has no stiffness."""
         comm = self._shell.comm
-        here = softest_stretch(wall, self._measurements.elastic_strain())
+        here = softest_stretch(wall, self.measurements.elastic_strain())
         least = comm.allreduce(inf if here is None else here, op=dx.MPI.MIN)
         return least if least < inf else None
 
@@ -122,7 +138,7 @@ class Recorder:
         self._shell.restore(state)
         self._shell.pressure.value = pressure
         self._saved = True
-        profile = self._measurements.profile(self.rows[-1].time_min)
+        profile = self.measurements.profile(self.rows[-1].time_min)
         self.output_s += perf_counter() - began
         if profile is not None:
             self.profiles.append(profile)

@@ -99,6 +99,46 @@ class ErrorEstimate:
 
 
 @dataclass(frozen=True)
+class Bifurcation:
+    """The first equilibrium beyond which a mode falls: the last stable row.
+
+    Attributes
+    ----------
+    waves
+        Number of waves of the mode around the axis; 0 if it is axisymmetric.
+    step
+        Number of the row in the history, from 0.
+    time_min, pressure_MPa, volume_ratio, force_uN, displacement_um
+        Its values there.
+    control, control_value
+        What is prescribed from row to row, and its value: "time", or the control of a path.
+    """
+
+    waves: int
+    step: int
+    time_min: float
+    pressure_MPa: float
+    volume_ratio: float
+    force_uN: float
+    displacement_um: float
+    control: str
+    control_value: float | None
+
+    @classmethod
+    def at(cls, row: Row, step: int, waves: int, control: str = "time") -> Bifurcation:
+        """Return the bifurcation after a row of a run, with a control of `[path]` or time."""
+        values = {
+            "time": row.time_min,
+            "pressure": row.pressure_MPa,
+            "volume": row.volume_ratio,
+            "force": row.force_uN,
+            "displacement": row.displacement_um,
+        }
+        loads = row.pressure_MPa, row.volume_ratio, row.force_uN, row.displacement_um
+        return cls(waves, step, row.time_min, *loads, control, values.get(control))
+
+
+@dataclass(frozen=True)
 class Result:
     """What a simulation found.
 
@@ -121,6 +161,8 @@ class Result:
         What must be known about a run even if it ended well.
     error_bars
         Errors of V/V0 by refined runs, if they were requested.
+    bifurcation
+        Where the first equilibrium is unstable; None if all are stable.
     """
 
     history: History
@@ -136,6 +178,7 @@ class Result:
     error_estimate: ErrorEstimate | None = None
     warnings: tuple[str, ...] = ()
     error_bars: ErrorBars | None = None
+    bifurcation: Bifurcation | None = None
 
     def __repr__(self) -> str:
         return (

@@ -21,7 +21,7 @@ from .outcome import Outcome, contact_warning, smoothing_warning, stability_note
 from .profiles import Profile, Profiles
 from .ranks import OtherRanks, RootError
 from .recorder import Recorder
-from .result import ErrorEstimate, Observer, Result, Timings
+from .result import Bifurcation, ErrorEstimate, Observer, Result, Timings
 from .scales import residual_tolerance
 from .static import Static
 from .transient import Transient
@@ -89,9 +89,9 @@ class Simulation:
         self._others = resources.enter_context(OtherRanks(shell.comm))
         self._driver: Transient | Static
         if scene.path is not None:
-            self._driver = Static(scene, scene.path, shell, recorder, tolerance)
+            self._driver = Static(scene, scene.path, shell, recorder, tolerance, energy is None)
         else:
-            self._driver = Transient(scene, shell, recorder, tolerance)
+            self._driver = Transient(scene, shell, recorder, tolerance, energy is None)
         resources.enter_context(self._driver)
         self._before = Timings()
         if start is not None and isinstance(self._driver, Transient):
@@ -161,12 +161,13 @@ class Simulation:
         rows, recorder = self._recorder.rows, self._recorder
         outcome = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
         status, message = outcome.status, outcome.message
+        note = stability_note(rows, recorder.bifurcation)
         estimate = self._driver.estimate_error()
         return Result(
             history=History(rows),
             profiles=Profiles(tuple(recorder.profiles), self._shell.discretisation.zones),
             status=status,
-            message=message + (stability_note(rows) if status != "failed" else ""),
+            message=message + ("" if status == "failed" else note),
             end_time=self._time if outcome.time is None else outcome.time,
             dofs=dx.size_of(self._shell.space),
             steps=max(0, len(rows) - 1),
@@ -175,7 +176,15 @@ class Simulation:
             timings=self._timings(),
             error_estimate=estimate,
             warnings=tuple(self._warnings(estimate)),
+            bifurcation=self._bifurcation(),
         )
+
+    def _bifurcation(self) -> Bifurcation | None:
+        if not self._recorder.bifurcation:
+            return None
+        (step, waves), path = self._recorder.bifurcation, self._scene.path
+        control = "time" if path is None else path.control
+        return Bifurcation.at(self._recorder.rows[step], step, waves, control)
 
     def _warnings(self, estimate: ErrorEstimate) -> Iterator[str]:
         """Yield what must be known of the run even if it ended well."""

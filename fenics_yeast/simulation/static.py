@@ -1,7 +1,8 @@
 """Runs of scenes with a table `[path]`: follow the path and report how it ends."""
 
 from collections.abc import Generator
-from typing import Self
+from contextlib import ExitStack
+from typing import Any, Self
 
 from ..mechanics import Shell
 from ..scene import PressureTable, Scene, StaticPath
@@ -15,6 +16,7 @@ from ..solve import (
     find_limit_pressure,
     follow_path,
 )
+from .bifurcation import point_before
 from .error_estimate import estimate_error
 from .history import Row
 from .loading import force_coordinates
@@ -22,50 +24,69 @@ from .outcome import (
     Outcome,
     limit_force_exceeded,
     limit_pressure_exceeded,
+    stopped_at_bifurcation,
     stopped_at_contact,
     wall_softened,
 )
 from .recorder import Recorder
 from .result import ErrorEstimate
 from .scales import pressure_scale
+from .waves import WaveCheck
 
 
 class Static:
     """A run of a scene along its equilibrium path; a context manager.
 
-    `tolerance` is the norm of the residual in µN that counts as zero.
+    `tolerance` is the norm of the residual in µN that counts as zero, `isotropic` says that the law
+    is the scene's.
     """
 
     checkpoint = None  # a path is not resumed
 
     def __init__(
-        self, scene: Scene, path: StaticPath, shell: Shell, recorder: Recorder, tolerance: float
+        self,
+        scene: Scene,
+        path: StaticPath,
+        shell: Shell,
+        recorder: Recorder,
+        tolerance: float,
+        isotropic: bool,
     ) -> None:
         self._scene, self._path, self._shell = scene, path, shell
         self._recorder, self._tolerance = recorder, tolerance
-        self._stability = Stability(shell)
+        self._resources = ExitStack()
+        self._stability = self._resources.enter_context(Stability(shell))
+        self._waves = self._resources.enter_context(WaveCheck(scene, shell, recorder, isotropic))
+        self._load: Any = None
+        self._last = (shell.state(), 0.0)
 
     def __enter__(self) -> Self:
-        self._stability.__enter__()
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._stability.__exit__(*error)
+        self._resources.close()
 
     def run(self) -> Generator[Row, None, Outcome]:
         """Follow the path from the unloaded wall; yield the row of each point."""
         path, shell = self._path, self._shell
         coordinates, target = self._coordinates()
+        self._load = coordinates.load
         if (lost := self._preload(coordinates)) is not None:
             return lost
-        yield self._accept(0)
+        yield self._accept(0, self._falling_waves())
         closed = self._scene.cell.closed
         points = follow_path(
             shell, coordinates, path.control, target, path.steps, self._tolerance, closed
         )
         try:
             for iterations in points:
-                yield (row := self._accept(iterations))
+                waves = self._falling_waves()
+                if (before := self._stop_at_bifurcation(waves)) is not None:
+                    yield before
+                    if path.stop_at_bifurcation:
+                        self._recorder.save()
+                        return stopped_at_bifurcation()
+                yield (row := self._accept(iterations, waves))
                 if path.stop_at_contact and self._recorder.contact is not None:
                     self._recorder.save()
                     return stopped_at_contact(row)
@@ -76,9 +97,35 @@ class Static:
         limit = "" if extreme is None else f", past a limit point at {self._describe(extreme)}"
         return Outcome("finished", f"reached {self._describe(last)}{limit}")
 
-    def _accept(self, iterations: int) -> Row:
-        stable = self._stability.negative_modes() == 0
-        return self._recorder.accept(0.0, 0.0, iterations, stable)
+    def _accept(self, iterations: int, waves: int | None) -> Row:
+        row = self._recorder.accept(0.0, 0.0, iterations, waves)
+        self._last = (self._shell.state(), float(self._load.value))
+        return row
+
+    def _falling_waves(self) -> int | None:
+        """Return the smallest number of waves of a falling direction; None if stable."""
+        return self._waves.first() if self._stability.negative_modes() == 0 else 0
+
+    def _stop_at_bifurcation(self, waves: int | None) -> Row | None:
+        """Record the point just before the first bifurcation, if the trial state has passed it."""
+        recorder, shell, load = self._recorder, self._shell, self._load
+        if not waves or recorder.bifurcation or not recorder.rows[-1].stable:
+            return None
+        here, row = (shell.state(), float(load.value)), None
+        found = waves
+
+        def falls() -> bool:
+            nonlocal found
+            beyond = self._waves.first()
+            found = beyond or found
+            return beyond is not None
+
+        if point_before(shell, load, falls, self._last, self._tolerance):
+            row = self._accept(0, None)
+        recorder.pass_bifurcation(found)
+        shell.restore(here[0])
+        load.value = here[1]
+        return row
 
     def _coordinates(self) -> tuple[PathCoordinates, PathTarget]:
         """Return load and conjugate amount of the path with their scales, and its target."""
@@ -137,7 +184,7 @@ class Static:
             except PathError:
                 limit = None
             if limit is not None:
-                self._recorder.accept(0.0, 0.0, limit.iterations, True)
+                self._accept(limit.iterations, self._waves.first())
                 return limit_pressure_exceeded(limit.pressure)
         where, stretch = self._describe(rows[-1]), self._recorder.softest_stretch(self._scene.wall)
         if stretch is not None:

@@ -15,27 +15,28 @@ from ..solve import (
     Stability,
     StepResult,
     TimeStepper,
-    approach_limit_point,
-    find_limit_pressure,
 )
+from .bifurcation import end_before
 from .blow_up import blow_up_time
 from .build import turgor
 from .checkpoint import Checkpoint
 from .error_estimate import estimate_error
 from .history import Row
+from .limit_search import LimitSearch
 from .loading import load_in_parts
 from .milestones import among, kinks, step_controller, switches
 from .outcome import (
     Outcome,
-    growth_limit_reached,
     growth_unbounded,
-    limit_pressure_exceeded,
+    reached_end,
+    stopped_at_bifurcation,
     stopped_at_contact,
     wall_softened,
 )
 from .recorder import Recorder
 from .result import ErrorEstimate, Timings
 from .step_errors import StepErrors
+from .waves import WaveCheck
 
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
 _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wall may be at rest
@@ -44,11 +45,14 @@ _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wal
 class Transient:
     """A run of a scene in time, or to a single equilibrium; a context manager.
 
-    `tolerance` is the norm of the residual in µN that counts as zero. `checkpoint` is the last one,
-    with this rank's arrays and without timings; None before the first step.
+    `tolerance` is the norm of the residual in µN that counts as zero, `isotropic` says that the law
+    is the scene's. `checkpoint` is the last one, with this rank's arrays and without timings; None
+    before the first step.
     """
 
-    def __init__(self, scene: Scene, shell: Shell, recorder: Recorder, tolerance: float) -> None:
+    def __init__(
+        self, scene: Scene, shell: Shell, recorder: Recorder, tolerance: float, isotropic: bool
+    ) -> None:
         self._scene, self._shell = scene, shell
         self._recorder, self._tolerance = recorder, tolerance
         self._resources = ExitStack()
@@ -56,7 +60,8 @@ class Transient:
         self._stability = self._resources.enter_context(Stability(shell))
         self._tableau = TABLEAUX[scene.numerics.integrator]
         self._stepper = TimeStepper(shell, self._equilibrium, self._tableau, turgor(scene))
-        self._stable = True
+        self._stable, self._passed = True, 0
+        self._waves = self._resources.enter_context(WaveCheck(scene, shell, recorder, isotropic))
         self._reduced = False
         self._switches, self._kinks = switches(scene), kinks(scene)
         self._controller = step_controller(
@@ -64,6 +69,9 @@ class Transient:
         )
         growth_time, allowed = scene.growth_time or 1.0, SHARES.steps * scene.numerics.tolerance
         self._errors = StepErrors(self._tableau, growth_time, shell.reference_volume, allowed)
+        self._limits = LimitSearch(
+            scene, self._stepper, self._equilibrium, recorder, tolerance, self._accept
+        )
         # By the names of a checkpoint. The solver comes first, as it moves the shell.
         self._resumable: dict[str, Resumable[Any]] = {
             "chord": self._equilibrium,
@@ -112,8 +120,11 @@ class Transient:
                 iterations = error.iterations
             else:
                 if not self._past_limit():
-                    if row := self._accept_or_reject(step, end):
+                    step, end, waves = self._stop_at_bifurcation(step, end)
+                    if row := self._accept_or_reject(step, end, waves):
                         yield row
+                        if self._scene.run.stop_at_bifurcation and recorder.bifurcation:
+                            return stopped_at_bifurcation()
                         if (infinite := self._blow_up()) is not None:
                             return growth_unbounded(infinite, row)
                     continue
@@ -122,14 +133,39 @@ class Transient:
             recorder.reject(iterations)
             controller.failed()
             if problem is None or controller.failures >= patience or controller.exhausted:
-                lost = yield from self._find_limit(end)
+                lost = yield from self._limits.find(end)
                 if lost is not None:
                     return lost
                 if controller.exhausted:
                     return self._failed(problem or "only states past a limit point were found")
         return self._finished(self._scene.run.end)
 
-    def _accept_or_reject(self, step: StepResult, end: float) -> Row | None:
+    def _stop_at_bifurcation(
+        self, step: StepResult, end: float
+    ) -> tuple[StepResult, float, int | None]:
+        """Shorten a trial that passes the first bifurcation to one that ends just before it.
+
+        Returns the trial step, its end in min and the waves of its falling mode.
+        """
+        waves, recorder = self._falling_waves(), self._recorder
+        if not waves or recorder.bifurcation:
+            return step, end, waves
+        passed, found = end, waves
+
+        def falls() -> bool:
+            nonlocal found
+            if self._past_limit():
+                return True
+            beyond = self._waves.first()
+            found = beyond or found
+            return beyond is not None
+
+        step, end = end_before(self._stepper, falls, step, end)
+        self._past_limit()
+        self._passed = found if end < passed else 0
+        return step, end, None if self._passed else waves
+
+    def _accept_or_reject(self, step: StepResult, end: float, waves: int | None) -> Row | None:
         """Accept a trial that is accurate enough; return its row."""
         start, recorder = self._time, self._recorder
         if not self._accurate(step, end):
@@ -141,7 +177,9 @@ class Transient:
             self._stepper.reset_predictor()
         if among(end, self._switches):
             self._controller.reset()
-        row = recorder.accept(end, end - start, step.iterations, self._stable)
+        row = recorder.accept(end, end - start, step.iterations, waves)
+        if self._passed:
+            recorder.pass_bifurcation(self._passed)
         self._settle(end)
         return row
 
@@ -176,7 +214,7 @@ class Transient:
         try:
             iterations = stepper.load()
             if not self._past_limit():
-                recorder.accept(0.0, 0.0, iterations, self._stable)
+                recorder.accept(0.0, 0.0, iterations, self._falling_waves())
                 return None
         except EquilibriumError as error:
             iterations = error.iterations
@@ -193,7 +231,7 @@ class Transient:
             through = "; the wall has touched itself before" if recorder.in_contact() else ""
             return lost._replace(message=lost.message + through)
         self._past_limit()
-        recorder.accept(0.0, 0.0, iterations, self._stable)
+        recorder.accept(0.0, 0.0, iterations, self._falling_waves())
         return None
 
     # --- steps ----------------------------------------------------------------------------
@@ -216,6 +254,10 @@ class Transient:
     def _pressure_changes(self, end: float) -> bool:
         """Whether the pressure changes from now to a time before the next kink."""
         return self._stepper.pressure(end) != self._stepper.pressure(self._time)
+
+    def _falling_waves(self) -> int | None:
+        """Return the smallest number of waves of a falling direction; None if stable."""
+        return self._waves.first() if self._stable else 0
 
     def _past_limit(self) -> bool:
         """Whether the trial is past a limit point, or inside out; notes whether it is stable."""
@@ -241,91 +283,24 @@ class Transient:
 
     # --- ends -----------------------------------------------------------------------------
 
-    def _find_limit(self, end: float) -> Generator[Row, None, Outcome | None]:
-        """Return how the wall loses its equilibrium on the way to a time; None if it does not."""
-        if self._shell.growth is not None and (yield from self._meets_growth_limit(end)):
-            return self._lost(end)
-        if not self._pressure_changes(end):
-            return None
-        start, pressure = self._time, self._stepper.pressure
-        try:
-            limit = find_limit_pressure(self._shell, pressure(end), self._tolerance)
-        except PathError:
-            limit = None
-        if limit is None:
-            self._stepper.reject()
-            return None
-        part = (limit.pressure - pressure(start)) / (pressure(end) - pressure(start))
-        time = start + part * (end - start)
-        if time > start:
-            self._stepper.accept(time)
-            yield self._recorder.accept(time, time - start, limit.iterations, True)
-        else:
-            self._stepper.reject()
-        return limit_pressure_exceeded(limit.pressure, time)
-
     def _blow_up(self) -> float | None:
         """Return the time in min at which the volume becomes infinite before any milestone."""
         infinite = blow_up_time(self._recorder.rows)
         milestone = self._controller.propose_milestone(self._time)
         return infinite if infinite and milestone and infinite < milestone else None
 
-    def _meets_growth_limit(self, end: float) -> Generator[Row, None, bool]:
-        """Whether a growing wall loses its equilibrium on the way to a time, followed by volume."""
-        rate = self._volume_rate(end)
-        if rate == 0:
-            return False
-        found, iterations = yield from approach_limit_point(
-            self._stepper,
-            self._tolerance,
-            SHARES.steps * self._scene.numerics.tolerance,
-            rate,
-            end,
-            self._accept,
-        )
-        self._stepper.reset_predictor()
-        self._recorder.iterations += iterations
-        return found
-
-    def _volume_rate(self, end: float) -> float:
-        """Rate of the volume in µm³/min: that of the last step, and what the pressure changes."""
-        rows = self._recorder.rows
-        last, before = rows[-1], rows[max(0, len(rows) - 2)]
-        rate, slope = 0.0, self._slope(end)
-        if last.step_min > 0:
-            rate = (last.volume_um3 - before.volume_um3) / last.step_min
-            slope -= (last.pressure_MPa - before.pressure_MPa) / last.step_min
-        return rate + self._equilibrium.compliance() * slope if slope else rate
-
-    def _slope(self, end: float) -> float:
-        """Rate of the pressure in MPa/min from now to a time before the next kink."""
-        pressure = self._stepper.pressure
-        return (pressure(end) - pressure(self._time)) / (end - self._time)
-
-    def _lost(self, end: float) -> Outcome:
-        """Which of growth and pressure has brought a growing wall to its limit point."""
-        last, growth_time = self._recorder.rows[-1], self._scene.growth_time
-        if growth_time is not None and self._slope(end) * growth_time / last.pressure_MPa > 1:
-            return limit_pressure_exceeded(last.pressure_MPa, last.time_min)
-        return growth_limit_reached(last, self._scene.wall.energy_per == "reference")
-
     def _accept(self, iterations: int, step: float) -> Row:
         """Record a state accepted on the approach to a limit point."""
-        stable = self._stability.negative_modes() == 0
-        return self._recorder.accept(self._time, step, iterations, stable)
+        self._stable = self._stability.negative_modes() == 0
+        return self._recorder.accept(self._time, step, iterations, self._falling_waves())
 
     def _finished(self, end: float) -> Outcome:
-        message = f"reached {end:g} min"
-        if self._shell.growth is not None and self._recorder.rows[-1].max_growth_strain == 0:
-            late = all(growth.begins >= end for growth in self._scene.growing)
-            why = "growth.from is later" if late else "the stress stays below growth.threshold"
-            message += f"; nothing grew: {why}"
-        if self._reduced:
-            message += f"; steps reduced to the stability limit of {self._tableau.name}"
-        elif self._controller.reductions and self._scene.numerics.step is not None:
-            reductions = self._controller.reductions
-            message += f"; {reductions} fixed step{'s' * (reductions != 1)} reduced"
-        return Outcome("finished", message)
+        last, controller = self._recorder.rows[-1], self._controller
+        grew = self._shell.growth is None or last.max_growth_strain > 0
+        late = all(growth.begins >= end for growth in self._scene.growing)
+        reductions = controller.reductions if self._scene.numerics.step is not None else 0
+        limited = self._tableau.name if self._reduced else None
+        return reached_end(end, grew, late, reductions, limited)
 
     def _failed(self, reason: EquilibriumError | str) -> Outcome:
         where = f"{self._time:g} min"

@@ -3,6 +3,7 @@
 Knows no scene: it works on a shell, loads as numbers or functions, and tolerances.
 """
 
+from .continuation import BorderedNewton
 from .equilibrium import ChordState, Equilibrium, EquilibriumError
 from .limit_points import approach_limit_point, find_limit_force, find_limit_pressure
 from .path_following import PathCoordinates, PathError, PathTarget, follow_path
@@ -11,11 +12,31 @@ from .runge_kutta import TABLEAUX, ButcherTableau
 from .stability import Stability, StabilityState
 from .step_control import ControllerState, StepController, same_time
 from .time_stepper import StepperState, StepResult, TimeStepper
+from .waves import WaveModes, critical_pressure
 
 __all__ = [
-    "TABLEAUX", "ButcherTableau", "ChordState", "ControllerState", "Equilibrium",
-    "EquilibriumError", "PathCoordinates", "PathError", "PathTarget", "Resumable", "Stability",
-    "StabilityState", "StepController", "StepResult", "StepperState", "TimeStepper",
-    "approach_limit_point", "find_limit_force", "find_limit_pressure", "follow_path",
+    "TABLEAUX",
+    "BorderedNewton",
+    "ButcherTableau",
+    "ChordState",
+    "ControllerState",
+    "Equilibrium",
+    "EquilibriumError",
+    "PathCoordinates",
+    "PathError",
+    "PathTarget",
+    "Resumable",
+    "Stability",
+    "StabilityState",
+    "StepController",
+    "StepResult",
+    "StepperState",
+    "TimeStepper",
+    "WaveModes",
+    "approach_limit_point",
+    "critical_pressure",
+    "find_limit_force",
+    "find_limit_pressure",
+    "follow_path",
     "same_time",
 ]  # fmt: skip

@@ -1,0 +1,26 @@
+"""Arguments and options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def completed(incomplete: str) -> list[tuple[str, str]]:
+    """Return the scene keys that complete the beginning of an assignment."""
+    from .completion import assignments
+
+    return assignments(incomplete)
+
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).")]
+Assignments = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="TABLE.KEY=VALUE",
+        help='Override a value, e.g. growth.time="30 min"; repeatable.',
+        autocompletion=completed,
+    ),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]

@@ -1,0 +1,117 @@
+"""Linear buckling of the unloaded wall under external pressure, for each number of waves."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eig
+
+from .. import _dolfinx as dx
+from ..geometry import Array
+from ..mechanics import SecondVariation, Shell
+from ..scene import Scene
+from ..solve import Equilibrium
+from .build import build_shell
+from .scales import pressure_scale, residual_tolerance
+
+_SMALL = 1e-3  # pressure over that of a buckled sphere, to differentiate the second variation
+_REAL = 1e-6  # imaginary part of an eigenvalue that counts as real
+
+
+@dataclass(frozen=True)
+class BucklingMode:
+    """A mode of linear buckling.
+
+    Attributes
+    ----------
+    waves
+        Number of waves n around the axis.
+    pressure
+        Critical pressure in MPa, negative as it is external; None if the wall does not buckle.
+    S, r, z
+        Arc length, radius and height in µm of the nodes of the unloaded meridian.
+    radial, around, axial
+        Displacements at the nodes along the radius, around the axis and along the axis: times
+        cos nθ, sin nθ and cos nθ, with a largest length of 1.
+    """
+
+    waves: int
+    pressure: float | None
+    S: Array
+    r: Array
+    z: Array
+    radial: Array
+    around: Array
+    axial: Array
+
+
+def buckling_modes(scene: Scene, waves: Sequence[int]) -> Iterator[BucklingMode]:
+    """Yield the first mode of linear buckling for each number of waves, on one rank.
+
+    The second variation is taken at the unloaded wall and under a very small external pressure,
+    without growth and other loads; it is extrapolated to the pressure at which it is singular.
+
+    Parameters
+    ----------
+    scene
+        The cell and its wall.
+    waves
+        Numbers of waves; 0 is the axisymmetric mode.
+    """
+    changes: dict[str, object] = dict.fromkeys(("growth", "run", "load", "septum"))
+    pressure = -_SMALL * scene.wall.thickness / scene.cell.radius * pressure_scale(scene)
+    changes |= {"path": {"until": {"pressure": pressure}}, "turgor": {"pressure": 0.0}}
+    wall = scene.with_values(changes)
+    shell = build_shell(wall, dx.MPI.COMM_SELF)
+    tolerance = residual_tolerance(wall, len(shell.discretisation.nodes))
+    variation = shell.second_variation() if any(n > 0 for n in waves) else None
+    with Equilibrium(shell, tolerance) as equilibrium:
+        stiffness = {n: _matrix(shell, variation, n) for n in waves}
+        shell.pressure.value = pressure
+        equilibrium.solve()
+        for n in waves:
+            change = (_matrix(shell, variation, n) - stiffness[n]) / pressure
+            yield _first(shell, variation, n, stiffness[n], change)
+
+
+def _matrix(shell: Shell, variation: SecondVariation | None, waves: int) -> Array:
+    """Return the second variation in the trial state as a dense matrix."""
+    form, conditions = shell.forms.tangent, shell.conditions
+    if waves > 0 and variation is not None:
+        variation.waves.value = waves
+        form, conditions = variation.form, variation.conditions(waves)
+    matrix = dx.create_matrix(form)
+    dx.assemble_matrix(matrix, form, conditions)
+    dense = matrix.convert("dense")
+    values: Array = dense.getDenseArray().copy()
+    matrix.destroy()
+    return (values + values.T) / 2
+
+
+def _first(
+    shell: Shell, variation: SecondVariation | None, waves: int, stiffness: Array, change: Array
+) -> BucklingMode:
+    """Return the mode of the external pressure of least size at which the matrix is singular."""
+    values, vectors = eig(np.linalg.solve(stiffness, change))  # of -1/p
+    real = abs(values.imag) <= _REAL * abs(values)
+    external = np.flatnonzero(real & (values.real > 0))
+    space: Any = shell.space if waves == 0 or variation is None else variation.space
+    S, dofs = dx.node_dofs(space)
+    order = np.argsort(S)
+    curve, S = shell.discretisation.curve, S[order]
+    place = S, curve.radius(S), curve.height(S)
+    if not len(external):
+        nothing = np.zeros(len(S))
+        return BucklingMode(waves, None, *place, nothing, nothing, nothing)
+    first = external[np.argmax(values.real[external])]
+    motion = vectors[:, first].real[dofs[order]]
+    if waves == 0:
+        motion = np.column_stack([motion[:, 0], np.zeros(len(S)), motion[:, 1]])
+    else:
+        motion = np.column_stack([motion[:, 0], motion[:, 1] - motion[:, 0], motion[:, 2]])
+    lengths = np.hypot(np.hypot(motion[:, 0], motion[:, 2]), motion[:, 1])
+    motion /= motion[np.argmax(lengths)].sum() or lengths.max()
+    motion /= np.hypot(np.hypot(motion[:, 0], motion[:, 2]), motion[:, 1]).max()
+    pressure = -1.0 / float(values.real[first])
+    return BucklingMode(waves, pressure, *place, *motion.T)

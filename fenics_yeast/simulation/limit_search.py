@@ -1,0 +1,107 @@
+"""How a wall loses its equilibrium in time: by growth, or under a changing pressure."""
+
+from collections.abc import Callable, Generator
+
+from ..scene import SHARES, Scene
+from ..solve import (
+    Equilibrium,
+    PathError,
+    TimeStepper,
+    approach_limit_point,
+    find_limit_pressure,
+)
+from .history import Row
+from .outcome import Outcome, growth_limit_reached, limit_pressure_exceeded
+from .recorder import Recorder
+
+
+class LimitSearch:
+    """Looks for a limit point between the accepted state and a time that no step reaches.
+
+    Parameters
+    ----------
+    scene, stepper, equilibrium, recorder
+        The scene, the wall in time, its solver, and the rows so far.
+    tolerance
+        Norm of the residual in µN that counts as zero.
+    record
+        Records an accepted state, from Newton iterations and the length of its step in min.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        stepper: TimeStepper,
+        equilibrium: Equilibrium,
+        recorder: Recorder,
+        tolerance: float,
+        record: Callable[[int, float], Row],
+    ) -> None:
+        self._scene, self._stepper, self._equilibrium = scene, stepper, equilibrium
+        self._recorder, self._tolerance, self._record = recorder, tolerance, record
+
+    @property
+    def _time(self) -> float:
+        return self._stepper.accepted.time
+
+    def find(self, end: float) -> Generator[Row, None, Outcome | None]:
+        """Return how the wall loses its equilibrium on the way to a time; None if it does not."""
+        if self._stepper.shell.growth is not None and (yield from self._meets_growth_limit(end)):
+            return self._lost(end)
+        start, pressure = self._time, self._stepper.pressure
+        if pressure(end) == pressure(start):
+            return None
+        try:
+            limit = find_limit_pressure(self._stepper.shell, pressure(end), self._tolerance)
+        except PathError:
+            limit = None
+        if limit is None:
+            self._stepper.reject()
+            return None
+        part = (limit.pressure - pressure(start)) / (pressure(end) - pressure(start))
+        time = start + part * (end - start)
+        if time > start:
+            self._stepper.accept(time)
+            yield self._record(limit.iterations, time - start)
+        else:
+            self._stepper.reject()
+        return limit_pressure_exceeded(limit.pressure, time)
+
+    def _meets_growth_limit(self, end: float) -> Generator[Row, None, bool]:
+        """Whether a growing wall loses its equilibrium on the way to a time, followed by volume."""
+        rate = self._volume_rate(end)
+        if rate == 0:
+            return False
+        found, iterations = yield from approach_limit_point(
+            self._stepper,
+            self._tolerance,
+            SHARES.steps * self._scene.numerics.tolerance,
+            rate,
+            end,
+            self._record,
+        )
+        self._stepper.reset_predictor()
+        self._recorder.iterations += iterations
+        return found
+
+    def _volume_rate(self, end: float) -> float:
+        """Rate of the volume in µm³/min: that of the last step, and what the pressure changes."""
+        rows = self._recorder.rows
+        last, before = rows[-1], rows[max(0, len(rows) - 2)]
+        rate, slope = 0.0, self._slope(end)
+        if last.step_min > 0:
+            rate = (last.volume_um3 - before.volume_um3) / last.step_min
+            slope -= (last.pressure_MPa - before.pressure_MPa) / last.step_min
+        return rate + self._equilibrium.compliance() * slope if slope else rate
+
+    def _slope(self, end: float) -> float:
+        """Rate of the pressure in MPa/min from now to a time before the next kink."""
+        pressure = self._stepper.pressure
+        return (pressure(end) - pressure(self._time)) / (end - self._time)
+
+    def _lost(self, end: float) -> Outcome:
+        """Which of growth and pressure has brought a growing wall to its limit point."""
+        last, growth_time = self._recorder.rows[-1], self._scene.growth_time
+        if growth_time is not None and self._slope(end) * growth_time / last.pressure_MPa > 1:
+            return limit_pressure_exceeded(last.pressure_MPa, last.time_min)
+        return growth_limit_reached(last, self._scene.wall.energy_per == "reference")

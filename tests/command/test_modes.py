@@ -1,0 +1,63 @@
+"""`fenics-yeast modes`: critical pressures per number of waves, as table and pictures."""
+
+import csv
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from support.command import call, tree
+
+CAPSULE = """
+cell = { shape = "capsule", diameter = 5, length = 15 }
+wall = { thickness = 0.1, shear_modulus = 40 }
+turgor = { pressure = 0.2 }
+"""
+
+
+@pytest.mark.slow
+def test_linear_buckling_of_a_capsule_is_near_its_bifurcations(tmp_path: Path) -> None:
+    """Those of a run are at -0.0152991, -0.0087192 and -0.0137889 MPa."""
+    scene = tmp_path / "capsule.toml"
+    scene.write_text(CAPSULE)
+    out = tmp_path / "modes"
+    result = call("modes", str(scene), "--waves", "0:5", "--out", str(out))
+    assert result.exit_code == 0, result.stderr
+    assert tree(out) == {"modes.csv", "modes.png", "mode.vtu"}
+    rows = list(csv.DictReader((out / "modes.csv").read_text().splitlines()))
+    found = {int(row["waves"]): float(row["critical_pressure_MPa"]) for row in rows}
+    assert list(found) == [0, 1, 2, 3, 4, 5]
+    for waves, expected in {2: 0.0152991, 3: 0.0087192, 4: 0.0137889}.items():
+        assert -found[waves] == pytest.approx(expected, rel=5e-3)
+    assert f"  3 waves: {found[3]:.6g} MPa" in result.stdout
+    # Three waves around the waist, and none at the poles.
+    mode = meshio.read(out / "mode.vtu")
+    x, y, z = mode.points.T
+    moved = mode.point_data["displacement (µm)"]
+    assert np.linalg.norm(moved, axis=1).max() == pytest.approx(0.5, rel=1e-6)
+    assert np.abs(moved[abs(z) > 7]).max() < 0.05
+    waist = np.unique(np.round(z, 9))[np.argmin(abs(np.unique(np.round(z, 9))))]
+    ring = abs(z - waist) < 1e-6
+    angle = np.arctan2(y[ring], x[ring])
+    radial = moved[ring, 0] * np.cos(angle) + moved[ring, 1] * np.sin(angle)
+    assert abs(np.mean(radial * np.exp(3j * angle))) > 0.9 * radial.max() / 2
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--waves", "a:b"), "--waves a:b: expected A:B or A,B,..."),
+        (("--waves", "5:2"), "--waves 5:2: expected"),
+        (("--set", "wall.bending=false"), "buckling needs a wall with bending stiffness"),
+        (("--set", "cell.length=3"), "cell.length = 3"),
+    ],
+)
+def test_what_has_no_modes_is_refused_on_one_line(
+    tmp_path: Path, options: tuple[str, ...], said: str
+) -> None:
+    scene = tmp_path / "capsule.toml"
+    scene.write_text(CAPSULE)
+    result = call("modes", str(scene), *options, "--out", str(tmp_path / "out"))
+    assert result.exit_code == 2 and result.stderr.count("\n") == 1
+    assert said in result.stderr
+    assert not (tmp_path / "out").exists()

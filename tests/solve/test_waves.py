@@ -1,0 +1,162 @@
+"""Buckling with waves around the axis against closed forms and published numbers."""
+
+from math import ceil
+
+import numpy as np
+import pytest
+
+from fenics_yeast import Scene, simulate
+from fenics_yeast.simulation import build_shell
+from fenics_yeast.solve import Equilibrium, WaveModes, critical_pressure
+
+LINEAR = 'law = "linear"\nyoung_modulus = {E}\npoisson_ratio = {nu}'
+SHELL = """
+[cell]
+{cell}
+[wall]
+thickness = {h}
+{material}
+[turgor]
+pressure = 0
+[numerics]
+elements = {elements}
+thickness_points = 2
+"""
+
+
+def critical(scene: Scene, waves: int, guess: float) -> float:
+    """External pressure in MPa at which a mode with some waves begins to fall."""
+    shell = build_shell(scene)
+    with (
+        Equilibrium(shell, 1e-8 * guess * scene.cell.radius**2) as equilibrium,
+        WaveModes(shell) as modes,
+    ):
+        equilibrium.solve()
+        found = critical_pressure(
+            shell, equilibrium, lambda: modes.negative_modes(waves) > 0, -guess / 8, -3 * guess
+        )
+    assert found is not None
+    return -found
+
+
+@pytest.mark.parametrize("waves", [2, 3, 4])
+def test_a_long_ring_buckles_at_its_classical_pressure(waves: int) -> None:
+    """`(n² - 1) E h³ / (12 (1 - ν²) R³)`: Timoshenko and Gere 1961, section 7.5."""
+    E, nu, R, h = 1000.0, 0.3, 100.0, 0.5
+    cell = f'shape = "cylinder"\ndiameter = {2 * R}\nlength = 100\nedge = "guided"'
+    text = SHELL.format(cell=cell, h=h, material=LINEAR.format(E=E, nu=nu), elements=8)
+    classical = (waves**2 - 1) * E * h**3 / (12 * (1 - nu**2) * R**3)
+    found = critical(Scene.from_toml(text), waves, classical)
+    assert found == pytest.approx(classical, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_a_complete_sphere_buckles_at_its_classical_pressure_whatever_the_waves() -> None:
+    """`2 E (h/R)² / √(3 (1 - ν²))`; what is left of the difference falls with h/R."""
+    E, nu, R = 120.0, 0.3, 2.5
+    apart = []
+    for h, elements in ((0.05, 60), (0.0125, 120)):
+        text = SHELL.format(
+            cell=f'shape = "sphere"\ndiameter = {2 * R}', h=h,
+            material=LINEAR.format(E=E, nu=nu), elements=elements,
+        )  # fmt: skip
+        classical = 2 * E * (h / R) ** 2 / (3 * (1 - nu**2)) ** 0.5
+        found = [critical(Scene.from_toml(text), n, classical) for n in (1, 2, 5)]
+        assert max(found) / min(found) == pytest.approx(1, abs=3e-3)
+        apart.append(abs(np.array(found) / classical - 1).max())
+    assert apart[0] < 0.05 and apart[1] < 0.4 * apart[0]
+
+
+@pytest.mark.parametrize(
+    ("material", "pressures"),
+    [
+        ("shear_modulus = 40.0", {2: 0.0152991, 3: 0.0087192, 4: 0.0137889}),
+        (LINEAR.format(E=120.0, nu=0.3), {2: 0.0147423, 3: 0.0073918, 4: 0.0112885}),
+    ],
+    ids=["Ogden", "linear"],
+)
+def test_a_capsule_buckles_with_three_waves_around_its_waist(
+    material: str, pressures: dict[int, float]
+) -> None:
+    """Values of an independent prototype; a run finds the first of them by itself."""
+    cell = 'shape = "capsule"\ndiameter = 5\nlength = 15'
+    text = SHELL.format(cell=cell, h=0.1, material=material, elements=40)
+    scene = Scene.from_toml(text)
+    for waves, expected in pressures.items():
+        assert critical(scene, waves, expected) == pytest.approx(expected, rel=2e-5)
+    path = {"path": {"until": {"pressure": -0.02}, "control": "pressure", "steps": 10}}
+    result = simulate(scene.with_values(path))
+    assert result.bifurcation is not None and result.bifurcation.waves == 3
+    assert result.bifurcation.pressure_MPa == pytest.approx(-pressures[3], rel=1e-4)
+    rows, first = result.history.rows, result.bifurcation.step
+    assert [row.unstable_waves for row in rows[: first + 2]] == [None] * (first + 1) + [3]
+    assert "to a mode with 3 waves around the axis" in result.message
+    stopped = simulate(scene.with_values(path | {"path.stop_at_bifurcation": True}))
+    assert stopped.status == "no-equilibrium" and len(stopped.history) == first + 1
+    assert stopped.message.startswith("stopped at a bifurcation; unstable beyond -0.00")
+
+
+def test_a_turgid_capsule_that_is_deflated_in_time_buckles_at_the_same_pressure() -> None:
+    text = SHELL.format(
+        cell='shape = "capsule"\ndiameter = 5\nlength = 15', h=0.1,
+        material="shear_modulus = 40.0", elements=30,
+    )  # fmt: skip
+    changes = {
+        "turgor.pressure": {"time": [0, 10], "value": [0.1, -0.02]},
+        "run": {"end": 10},
+    }
+    result = simulate(Scene.from_toml(text).with_values(changes))
+    assert result.bifurcation is not None and result.bifurcation.control == "time"
+    assert result.bifurcation.pressure_MPa == pytest.approx(-0.0087192, rel=2e-3)
+    assert result.bifurcation.time_min == pytest.approx(10 * 0.1087192 / 0.12, rel=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("geometry", "waves", "published"),
+    [(6.0, 2, 0.775), (7.0, 3, 0.760), (8.0, 4, 0.766), (10.0, 5, 0.776)],
+)
+def test_clamped_caps_buckle_as_huang_found(geometry: float, waves: int, published: float) -> None:
+    """N.-C. Huang, J. Appl. Mech. 31 (1964) 447-457, shallow caps with ν = 1/3."""
+    E, nu, R, t = 1000.0, 1 / 3, 1000.0, 1.0
+    root = (3 * (1 - nu**2)) ** 0.5
+    rise = t * geometry**2 / (4 * root)
+    angle = np.degrees(np.arccos(1 - rise / R))
+    classical = 2 * E * (t / R) ** 2 / root
+    cell = f'shape = "cap"\nradius = {R}\nhalf_angle = {angle}'
+    text = SHELL.format(cell=cell, h=t, material=LINEAR.format(E=E, nu=nu), elements=30)
+    path = {"until": {"pressure": -classical}, "stop_at_bifurcation": True, "steps": 30}
+    result = simulate(Scene.from_toml(text).with_values({"path": path}))
+    assert result.bifurcation is not None and result.bifurcation.waves == waves
+    found = -result.bifurcation.pressure_MPa / classical
+    assert found == pytest.approx(published, rel=0.01)
+
+
+def test_turgid_growing_walls_are_not_examined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In tension everywhere; and what is not examined would be found stable."""
+    text = """
+cell = { shape = "sphere", diameter = 5 }
+wall = { thickness = 0.1, shear_modulus = 40 }
+turgor = { pressure = 0.2 }
+growth = { zone = { pole = "top", half_angle = 24 }, threshold = 1, time = 45 }
+run = { end = 80 }
+"""
+    scene = Scene.from_toml(text)
+    with monkeypatch.context() as patch:
+        patch.setattr("fenics_yeast.simulation.waves.WaveModes", None)
+        plain = simulate(scene)
+    patch = "fenics_yeast.simulation.measurements.Measurements.in_tension"
+    monkeypatch.setattr(patch, lambda _: False)
+    examined = simulate(scene)
+    assert plain.bifurcation is examined.bifurcation is None
+    assert plain.history.rows == examined.history.rows
+
+
+def test_waves_are_looked_at_up_to_those_of_the_shortest_buckles() -> None:
+    from fenics_yeast.simulation.waves import most_waves
+
+    cell = 'shape = "sphere"\ndiameter = 5'
+    for h, nu in ((0.1, 0.3), (0.025, 0.0)):
+        text = SHELL.format(cell=cell, h=h, material=LINEAR.format(E=1.0, nu=nu), elements=10)
+        expected = 1.2 * (2.5 / h) ** 0.5 * (12 * (1 - nu**2)) ** 0.25
+        assert most_waves(Scene.from_toml(text)) == ceil(expected)
