@@ -15,14 +15,14 @@ from fenics_yeast.simulation import COLUMNS, History, Profile, Profiles, Result,
 CONTRACT = (
     "time_min, pressure_MPa, volume_um3, volume_ratio, pole_height_um, bud_radius_um, "
     "neck_radius_um, max_growth_strain, dissipation_rate, step_min, newton_iterations, stable, "
-    "force_uN, displacement_um"
+    "force_uN, displacement_um, unstable_waves"
 )
 
 
 def a_row(time: float) -> Row:
     third = time / 3  # needs all its digits
     values = (time, 0.1, 65.4, 1 + third, 5.0, 1.0, 1.0, np.float64(third), 0.0, 0.2, 3, True,
-              0.5, -0.25)  # fmt: skip
+              0.5, -0.25, None if time == 0 else 3)  # fmt: skip
     return Row(
         **dict.fromkeys(COLUMNS, True) | dict(zip(CONTRACT.split(", "), values, strict=True))
     )
@@ -77,7 +77,7 @@ def test_files_are_those_of_the_contract(tmp_path: Path, scene: Scene) -> None:
     summary = json.loads((folder.path / "run.json").read_text())
     keys = (
         "status end_time_min message versions dofs steps rejected_steps newton_iterations timings "
-        "error_estimate warnings"
+        "error_estimate bifurcation warnings"
     )
     assert list(summary) == keys.split()
     assert summary["status"] == "no-equilibrium"
