@@ -224,6 +224,8 @@ def modes(
 
     try:
         scene = _load(scene_file, assignments)
+        if launched() is not None:
+            raise SceneError("modes runs on one rank; omit mpirun")
         directory = Path("out", f"{scene.name}-modes") if out is None else out
         found = find_modes(scene, parse_waves(waves), directory)
     except (SceneError, OutputError) as error:

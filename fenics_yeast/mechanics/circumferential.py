@@ -10,13 +10,14 @@ by ω sin(nθ) across it. The unknowns on the meridian are `a`, `s = a + b`, `c`
 an edge may hold only β. To second order, with `x` the current position and commas for derivatives
 by arc length S and by angle θ over R,
 
-    E_ij = (x,i · u,j + x,j · u,i) / 2 + u,i · u,j / 2
-    κ_ij from d,  γ_i = x,i · d + u,i · d
+    δE_ij = (x,i · u,j + x,j · u,i + u,i · u,j) / 2        in the mid-surface,
+    δγ_i = u,i · d + x,i · δd + u,i · δd                   in shear,
 
-where `d` keeps its length. Stress resultants and their tangent are those of the axisymmetric form;
-the stiffness against shear in the surface is `(S1 - S2) / (C1 - C2)` of the principal stresses and
-squared stretches, from the isotropy of the law. Pressure follows the wall, dead forces along the
-axis contribute nothing. The mean over θ leaves one form on the interval, in which n is a constant.
+bending likewise from `x,i · d,j`, where `d` keeps its length (docs/model.md has all terms). Stress
+resultants and their tangent are those of the axisymmetric form; the stiffness against shear in the
+surface is `(S1 - S2) / (C1 - C2)` of the principal stresses and squared stretches, by the law's
+isotropy. Pressure follows the wall, dead forces along the axis contribute nothing. The mean over
+θ leaves one form on the interval, in which n is a constant.
 """
 
 from functools import reduce
@@ -34,9 +35,7 @@ from .reference import ELASTIC, GROWING, Reference
 from .section import Section
 
 RADIAL, S_, AXIAL, ROTATION, TWIST = range(5)  # components of (a, s, c, β, τ)
-_ALIKE = (
-    1e-4  # difference of principal strains below which the limit of the shear stiffness is used
-)
+_ALIKE = 1e-4  # difference of principal strains that have the shear stiffness of equal ones
 
 # Components that vanish for n >= 2; fewer do at a pole for n = 1.
 _CONSTRAINED: dict[End, tuple[int, ...]] = {
@@ -101,6 +100,8 @@ class SecondVariation:
             fixed += [(i, S) for i in (_POLE_OF_ONE_WAVE if one else _CONSTRAINED[end])]
         if waves == 1 and ends == ("pole", "pole"):
             fixed += [(i, discretisation.ends_at[0]) for i in _RIGID]
+        elif waves == 1 and not {"clamped", "hinged"} & {*ends}:
+            fixed.append((RADIAL, discretisation.ends_at[0]))  # no motion across the axis
         zero = self._reference.constant(0.0)
         return [
             dx.fem.dirichletbc(zero, dx.end_dofs(self.space, i, S), dx.motion_part(self.space, i))

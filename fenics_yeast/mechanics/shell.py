@@ -65,8 +65,8 @@ class Shell:
         Interval mesh, its communicator, quadrature points of all local and of the growing elements.
     space, w
         Space of the state; the trial state `(u_r, u_z, β, Q)`, `(u_r, u_z)` of a membrane.
-    rotation
-        Rotation in rad of a unit of its DOFs.
+    radius, rotation
+        Largest radius of the unloaded wall in µm; rotation in rad of a unit of its DOFs.
     pressure, force
         Turgor in MPa, a constant of the forms; axial force at a node, or None.
     bending, thickness, membrane_stiffness
@@ -103,8 +103,8 @@ class Shell:
         self.space = space(self.mesh, approximation.order)
         self.w = dx.fem.Function(self.space)
         self.pressure = reference.constant(0.0)
-        self._radius = self._largest_radius()
-        self.rotation = _RADIUS / self._radius
+        self.radius = self._largest_radius()
+        self.rotation = _RADIUS / self.radius
         meridian = reference.meridian()
         section = Section.of(wall, approximation, reference, self.rotation)
         self.material, self.xi = section.material, section.xi
@@ -151,7 +151,7 @@ class Shell:
 
     def _reference_volume(self) -> float:
         volume = self.volume()
-        hemisphere = 2 * np.pi / 3 * self._radius**3
+        hemisphere = 2 * np.pi / 3 * self.radius**3
         return volume if volume > _NO_VOLUME * hemisphere else hemisphere
 
     def state(self) -> ShellState:

@@ -61,6 +61,8 @@ class ProfileCell(Shape):
             )
         except (TypeError, ValueError, PydanticCustomError):
             return data  # the validation of these keys reports what is wrong
+        if scale is not None and not scale > 0:
+            return data  # its validation refuses it
         try:
             r, z = read_contour(Path(directory, data["file"]), scale)
         except ContourError as error:

@@ -6,11 +6,12 @@ from typing import Any
 from ..mechanics import Shell, ShellState
 from ..solve import BorderedNewton, EquilibriumError, StepResult, TimeStepper
 
-_LOCATED = 5e-5  # of the time, or of the load
+_LOCATED = 5e-5  # of the time and of the load
+_MOST_HALVINGS = 40
 
 
 def end_before(
-    stepper: TimeStepper, falls: Callable[[], bool], step: StepResult, end: float
+    stepper: TimeStepper, falls: Callable[[], bool], end: float
 ) -> tuple[StepResult, float]:
     """Shorten a trial step to one that ends just before any mode falls.
 
@@ -20,17 +21,22 @@ def end_before(
         The wall, with a trial step in which a mode falls.
     falls
         Whether a mode falls in the trial state, or it is past a limit point.
-    step, end
-        The trial step, and its end in min.
+    end
+        End of the trial step in min.
 
     Returns
     -------
     tuple of StepResult, float
-        The new trial step and its end; those given if a mode falls from the start on.
+        The new trial step and its end; the given end if a mode falls from the start on.
     """
     start = stable = stepper.accepted.time
     unstable = end
-    while unstable - stable > _LOCATED * unstable:
+    pressure = stepper.pressure
+    for _ in range(_MOST_HALVINGS):
+        apart = abs(pressure(unstable) - pressure(stable))
+        near = apart <= _LOCATED * abs(pressure(unstable))
+        if near and unstable - stable <= _LOCATED * unstable:
+            break
         middle = (stable + unstable) / 2
         stepper.reject()
         try:

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import eig
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 from .. import _dolfinx as dx
 from ..geometry import Array
@@ -16,6 +17,7 @@ from .build import build_shell
 from .scales import pressure_scale, residual_tolerance
 
 _SMALL = 1e-3  # pressure over that of a buckled sphere, to differentiate the second variation
+_SOUGHT = 6  # eigenvalues, of which the first real one counts
 _REAL = 1e-6  # imaginary part of an eigenvalue that counts as real
 
 
@@ -75,25 +77,33 @@ def buckling_modes(scene: Scene, waves: Sequence[int]) -> Iterator[BucklingMode]
             yield _first(shell, variation, n, stiffness[n], change)
 
 
-def _matrix(shell: Shell, variation: SecondVariation | None, waves: int) -> Array:
-    """Return the second variation in the trial state as a dense matrix."""
+def _matrix(shell: Shell, variation: SecondVariation | None, waves: int) -> csc_array:
+    """Return the second variation in the trial state."""
     form, conditions = shell.forms.tangent, shell.conditions
     if waves > 0 and variation is not None:
         variation.waves.value = waves
         form, conditions = variation.form, variation.conditions(waves)
     matrix = dx.create_matrix(form)
     dx.assemble_matrix(matrix, form, conditions)
-    dense = matrix.convert("dense")
-    values: Array = dense.getDenseArray().copy()
+    rows, columns, values = matrix.getValuesCSR()
+    found = csr_array((values, columns, rows), shape=matrix.getSize())
     matrix.destroy()
-    return (values + values.T) / 2
+    return csc_array((found + found.T) / 2)
 
 
 def _first(
-    shell: Shell, variation: SecondVariation | None, waves: int, stiffness: Array, change: Array
+    shell: Shell,
+    variation: SecondVariation | None,
+    waves: int,
+    stiffness: csc_array,
+    change: csc_array,
 ) -> BucklingMode:
     """Return the mode of the external pressure of least size at which the matrix is singular."""
-    values, vectors = eig(np.linalg.solve(stiffness, change))  # of -1/p
+    solve = splu(stiffness).solve
+    size = stiffness.shape[0]
+    operator = LinearOperator((size, size), matvec=lambda x: solve(change @ x), dtype=float)
+    # Eigenvalues of -1/p; the start must not be symmetric.
+    values, vectors = eigs(operator, k=_SOUGHT, which="LR", v0=np.linspace(1.0, 2.0, size))
     real = abs(values.imag) <= _REAL * abs(values)
     external = np.flatnonzero(real & (values.real > 0))
     space: Any = shell.space if waves == 0 or variation is None else variation.space

@@ -11,7 +11,8 @@ from ..mechanics import Order, Shell, WallPoint
 from .contact import touches_itself
 from .profiles import Profile
 
-_NOISE = 1e-6  # stress over Young's modulus, far below that of any buckle
+# Stress over E (h/R)², the order of the stress at which a long ring buckles.
+_NOISE = 1e-3
 
 
 class Sizes(NamedTuple):
@@ -93,7 +94,8 @@ class Measurements:
         mean = np.einsum("j,ijk->ik", self._weights, fields[:, :, 1])
         least = self._shell.comm.allreduce(mean.min(initial=np.inf), op=dx.MPI.MIN)
         shell = self._shell
-        return bool(least >= -_NOISE * shell.membrane_stiffness / shell.thickness)
+        slender = (shell.thickness / shell.radius) ** 2
+        return bool(least >= -_NOISE * slender * shell.membrane_stiffness / shell.thickness)
 
     def elastic_strain(self) -> Array:
         """Return elastic strains, meridional and hoop, at the points of this rank,

@@ -61,7 +61,7 @@ def wall_softened(stretch: float, where: str) -> Outcome:
     return Outcome(
         "no-equilibrium",
         f"no equilibrium found beyond {where}: the wall is compressed to {stretch:.2g} of its "
-        'length, where a linear wall has no stiffness (below 0.58); use law = "ogden"',
+        'length, where a linear wall has no stiffness; use law = "ogden"',
     )
 
 
@@ -106,10 +106,13 @@ def _unstable_beyond(row: Row, waves: int) -> str:
         where = f"{row.force_uN:.6g} µN, {where}"
     if row.time_min > 0:
         where = f"{row.time_min:.6g} min, {where}"
-    mode = "an axisymmetric mode"
-    if waves > 0:
-        mode = f"a mode with {waves} wave{'s' * (waves > 1)} around the axis"
-    return f"unstable beyond {where} to {mode}"
+    return f"unstable beyond {where} to {_mode(waves)}"
+
+
+def _mode(waves: int) -> str:
+    if waves == 0:
+        return "an axisymmetric mode"
+    return f"a mode with {waves} wave{'s' * (waves > 1)} around the axis"
 
 
 def contact_warning(row: Row, table: str) -> str:
@@ -146,7 +149,10 @@ def stability_note(rows: Sequence[Row], bifurcation: Sequence[int] = ()) -> str:
     `bifurcation` has the number of the last row before the first one, and the waves of its mode.
     """
     if bifurcation and bifurcation[1] > 0:
-        return f"; {_unstable_beyond(rows[bifurcation[0]], bifurcation[1])}"
+        row, waves = rows[bifurcation[0]], bifurcation[1]
+        if row.stable:
+            return f"; {_unstable_beyond(row, waves)}"
+        return f"; the equilibrium is unstable to {_mode(waves)}"
     first = next((i for i, row in enumerate(rows) if not row.stable), None)
     if first is None:
         return ""

@@ -183,6 +183,8 @@ class Simulation:
         if not self._recorder.bifurcation:
             return None
         (step, waves), path = self._recorder.bifurcation, self._scene.path
+        if not self._recorder.rows[step].stable:
+            return None  # the first state is unstable already
         control = "time" if path is None else path.control
         return Bifurcation.at(self._recorder.rows[step], step, waves, control)
 

@@ -83,9 +83,9 @@ class Static:
                 waves = self._falling_waves()
                 if (before := self._stop_at_bifurcation(waves)) is not None:
                     yield before
-                    if path.stop_at_bifurcation:
-                        self._recorder.save()
-                        return stopped_at_bifurcation()
+                if path.stop_at_bifurcation and self._recorder.bifurcation:
+                    self._recorder.save()
+                    return stopped_at_bifurcation()
                 yield (row := self._accept(iterations, waves))
                 if path.stop_at_contact and self._recorder.contact is not None:
                     self._recorder.save()
@@ -109,15 +109,15 @@ class Static:
     def _stop_at_bifurcation(self, waves: int | None) -> Row | None:
         """Record the point just before the first bifurcation, if the trial state has passed it."""
         recorder, shell, load = self._recorder, self._shell, self._load
-        if not waves or recorder.bifurcation or not recorder.rows[-1].stable:
+        if waves is None or recorder.bifurcation or not recorder.rows[-1].stable:
             return None
         here, row = (shell.state(), float(load.value)), None
         found = waves
 
         def falls() -> bool:
             nonlocal found
-            beyond = self._waves.first()
-            found = beyond or found
+            beyond = self._falling_waves()
+            found = found if beyond is None else beyond
             return beyond is not None
 
         if point_before(shell, load, falls, self._last, self._tolerance):

@@ -60,7 +60,8 @@ class Transient:
         self._stability = self._resources.enter_context(Stability(shell))
         self._tableau = TABLEAUX[scene.numerics.integrator]
         self._stepper = TimeStepper(shell, self._equilibrium, self._tableau, turgor(scene))
-        self._stable, self._passed = True, 0
+        self._stable = True
+        self._passed: int | None = None
         self._waves = self._resources.enter_context(WaveCheck(scene, shell, recorder, isotropic))
         self._reduced = False
         self._switches, self._kinks = switches(scene), kinks(scene)
@@ -147,23 +148,22 @@ class Transient:
 
         Returns the trial step, its end in min and the waves of its falling mode.
         """
-        waves, recorder = self._falling_waves(), self._recorder
-        if not waves or recorder.bifurcation:
+        waves, recorder, self._passed = self._falling_waves(), self._recorder, None
+        if waves is None or recorder.bifurcation:
             return step, end, waves
         passed, found = end, waves
 
         def falls() -> bool:
             nonlocal found
-            if self._past_limit():
-                return True
-            beyond = self._waves.first()
-            found = beyond or found
+            self._past_limit()
+            beyond = self._falling_waves()
+            found = found if beyond is None else beyond
             return beyond is not None
 
-        step, end = end_before(self._stepper, falls, step, end)
+        step, end = end_before(self._stepper, falls, end)
         self._past_limit()
-        self._passed = found if end < passed else 0
-        return step, end, None if self._passed else waves
+        self._passed = found if end < passed else None
+        return step, end, waves if self._passed is None else None
 
     def _accept_or_reject(self, step: StepResult, end: float, waves: int | None) -> Row | None:
         """Accept a trial that is accurate enough; return its row."""
@@ -178,7 +178,7 @@ class Transient:
         if among(end, self._switches):
             self._controller.reset()
         row = recorder.accept(end, end - start, step.iterations, waves)
-        if self._passed:
+        if self._passed is not None:
             recorder.pass_bifurcation(self._passed)
         self._settle(end)
         return row
