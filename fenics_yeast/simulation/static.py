@@ -163,6 +163,11 @@ class Static:
             shell.force.begin()
         return None
 
+    @property
+    def waves_skipped(self) -> bool:
+        """Whether a compressed wall was too large to be examined for waves around the axis."""
+        return self._waves.skipped
+
     def estimate_error(self) -> ErrorEstimate:
         """Return the estimated error of V/V0 along the path."""
         return estimate_error(self._scene, 0.0, 0.0)

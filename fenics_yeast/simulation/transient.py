@@ -196,6 +196,11 @@ class Transient:
             timings=Timings(),
         )
 
+    @property
+    def waves_skipped(self) -> bool:
+        """Whether a compressed wall was too large to be examined for waves around the axis."""
+        return self._waves.skipped
+
     def estimate_error(self) -> ErrorEstimate:
         """Return the estimated error of V/V0 at the saved times, or at the end of the last step."""
         errors, rows = self._errors.state(), self._recorder.rows

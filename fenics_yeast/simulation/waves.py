@@ -4,11 +4,13 @@ from math import ceil
 
 import numpy as np
 
+from .. import _dolfinx as dx
 from ..mechanics import Shell
 from ..scene import LinearWall, Scene
 from ..solve import WaveModes
 from .recorder import Recorder
 
+_MOST_DOFS = 2000  # of an axisymmetric state
 _BEYOND = 1.2  # waves that are looked at, over those of the shortest buckles
 
 
@@ -22,7 +24,8 @@ class WaveCheck:
 
     Walls with a free edge, on whose opening pressure has no potential, and those of a user's own
     law, which may not be isotropic, are examined for axisymmetric perturbations only.
-    A closed cell under a force is examined from two waves on.
+    A closed cell under a force is examined from two waves on. Walls of more than 2000 DOFs, whose
+    examination would take longer than their equilibria, are not: `skipped` says so.
     """
 
     def __init__(self, scene: Scene, shell: Shell, recorder: Recorder, isotropic: bool) -> None:
@@ -31,6 +34,8 @@ class WaveCheck:
         # A force on a closed cell would tilt it about the point on which it rests.
         self._least = 2 if scene.axial_load is not None and scene.cell.closed else 1
         self._modes: WaveModes | None = None
+        self._large = dx.size_of(shell.space) > _MOST_DOFS
+        self.skipped = False
 
     def __enter__(self) -> "WaveCheck":
         return self
@@ -42,6 +47,9 @@ class WaveCheck:
     def first(self) -> int | None:
         """Return the smallest number of waves >= 1 of a falling direction in the trial state."""
         if self._most == 0 or self._measurements.in_tension():
+            return None
+        if self._large:
+            self.skipped = True
             return None
         if self._modes is None:
             self._modes = WaveModes(self._shell)
