@@ -7,17 +7,17 @@ from pathlib import Path
 from typing import Self
 
 from .errors import OutputError
-from .files import HISTORY
 
+LOCK = ".lock"
 _HELD = (errno.EAGAIN, errno.EACCES)
 
 
 class FolderLock:
     """A lock that the operating system releases when its process ends, however that ends.
 
-    It is held on the directory itself, so that no file is left. Network file systems lock only
-    files that are open for writing: there it is held on the history, if there is one. A file
-    system without locks gives none.
+    It is held on a hidden file, which is removed with it; one that a killed process left counts
+    for nothing. Network file systems lock a file that is open for writing, too. A file system
+    without locks gives none.
 
     Raises
     ------
@@ -26,24 +26,24 @@ class FolderLock:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path, self._open = path, -1
-        for place, flags in ((path, os.O_RDONLY), (path / HISTORY, os.O_RDWR)):
-            try:
-                opened = os.open(place, flags)
-            except OSError:
-                continue
+        self._file, self._open = path / LOCK, -1
+        while True:
+            opened = os.open(self._file, os.O_RDWR | os.O_CREAT, 0o644)
             try:
                 fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:
                 os.close(opened)
-                if error.errno in _HELD:
-                    raise OutputError(
-                        f"{path}: another run is writing to it; wait until it ends, or choose "
-                        "another directory with --out"
-                    ) from None
-            else:
+                if error.errno not in _HELD:
+                    self._file.unlink(missing_ok=True)
+                    return
+                raise OutputError(
+                    f"{path}: another run is writing to it; wait until it ends, or choose "
+                    "another directory with --out"
+                ) from None
+            if self._is_there(opened):
                 self._open = opened
                 return
+            os.close(opened)  # its last owner has removed it meanwhile
 
     def __enter__(self) -> Self:
         return self
@@ -53,6 +53,16 @@ class FolderLock:
 
     def release(self) -> None:
         """Release the lock."""
-        if self._open >= 0:
-            os.close(self._open)
-            self._open = -1
+        if self._open < 0:
+            return
+        if self._is_there(self._open):
+            self._file.unlink(missing_ok=True)
+        os.close(self._open)
+        self._open = -1
+
+    def _is_there(self, opened: int) -> bool:
+        """Whether an open file is the one of this name."""
+        try:
+            return os.path.samestat(os.fstat(opened), os.stat(self._file))
+        except FileNotFoundError:
+            return False

@@ -8,6 +8,7 @@ from ..simulation import ANSWERS, Checkpoint, CheckpointError, Digest, Result, R
 from ..solve import same_time
 from .errors import OutputError
 from .files import CHECKPOINT, HISTORY, PROFILES
+from .lock import LOCK
 from .reading import read_history, read_profiles, read_result, read_scene
 from .summary import read_summary
 
@@ -45,7 +46,7 @@ def find_earlier_run(directory: Path, scene: Scene) -> EarlierRun:
     try:
         if checkpoint is not None:
             earlier = Scene.from_toml(checkpoint.scene)
-        elif any(directory.glob("*")):
+        elif any(path.name != LOCK for path in directory.glob("*")):
             earlier = read_scene(directory)
         else:
             return EarlierRun()

@@ -125,7 +125,7 @@ def _claim(directory: Path) -> FolderLock:
     """Create and lock the directory; refuse one whose table is not from a sweep."""
     with writing(directory):
         directory.mkdir(parents=True, exist_ok=True)
-    lock = FolderLock(directory)
+        lock = FolderLock(directory)
     if (directory / TABLE).exists():
         read_table(directory)
     return lock

@@ -1,13 +1,24 @@
 """One run writes to an output directory at a time, and leaves nothing of another scene."""
 
+import errno
+import fcntl
 import shutil
 import signal
 from pathlib import Path
 
 import pytest
 from support.command import TWO_SAVED, call, finish, lines, start, tree, wait_for
+from support.scenes import SMALL
 
+from fenics_yeast import Scene
 from fenics_yeast.output import FolderLock, OutputError, read_summary
+from fenics_yeast.output.folder import OutputFolder
+
+
+@pytest.fixture
+def small() -> Scene:
+    return Scene.from_toml(SMALL)
+
 
 LONG = ("--set", "numerics.step=0.002", "--quiet")
 
@@ -48,28 +59,31 @@ def test_a_second_sweep_into_a_directory_is_refused(here: Path) -> None:
         first.communicate()
 
 
-def test_where_directories_cannot_be_locked_the_history_is(
+def test_the_lock_is_a_file_open_for_writing_that_is_never_replaced(
+    tmp_path: Path, small: Scene
+) -> None:
+    """As network file systems need; two writers of one directory exclude each other."""
+    with OutputFolder(tmp_path / "run", small):
+        assert (tmp_path / "run" / ".lock").exists()
+        for _ in range(2):
+            with pytest.raises(OutputError, match="another run is writing to it"):
+                OutputFolder(tmp_path / "run", small)
+    assert not (tmp_path / "run" / ".lock").exists()
+    (tmp_path / "run" / ".lock").touch()  # as a killed process leaves it
+    with OutputFolder(tmp_path / "run", small):
+        pass
+    assert not (tmp_path / "run" / ".lock").exists()
+
+
+def test_a_file_system_without_locks_gives_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As on a network file system."""
-    import fcntl
-    import os
-    import stat
-
-    real = fcntl.flock
-
     def flock(opened: int, how: int) -> None:
-        if stat.S_ISDIR(os.fstat(opened).st_mode):
-            raise OSError(9, "Bad file descriptor")
-        real(opened, how)
+        raise OSError(errno.ENOLCK, "No locks available")
 
     monkeypatch.setattr(fcntl, "flock", flock)
-    with FolderLock(tmp_path):  # without a history there is nothing to protect
+    with FolderLock(tmp_path):
         FolderLock(tmp_path).release()
-    (tmp_path / "history.csv").touch()
-    with FolderLock(tmp_path), pytest.raises(OutputError, match="another run is writing to it"):
-        FolderLock(tmp_path)
-    FolderLock(tmp_path).release()
 
 
 def test_figures_of_another_scene_are_removed(here: Path) -> None:
