@@ -53,8 +53,7 @@ before.set_ylabel("z (µm)")
 for panel, title in ((before, f"whole cell, {CUT:.0f} min"),
                      (after, f"165 min, daughter\nlifted by {LIFT:g} µm")):  # fmt: skip
     panel.set(xlabel="r (µm)", aspect="equal", xlim=(-3, 3), ylim=(-5.2, 6.8), title=title)
-volumes.set(xlabel="time (min)", ylabel="volume (µm³)", ylim=(0, None), xlim=(0, None),
-            title="volume")  # fmt: skip
+volumes.set(xlabel="time (min)", ylabel="volume (µm³)", ylim=(0, None), xlim=(0, None))
 volumes.legend(frameon=False, loc="center left")
 fig.savefig(figure, dpi=200)
 print(f"Shapes and volumes: {figure}")

@@ -1,6 +1,6 @@
 """What a tolerance of V/V0 asks of mesh, integration points and shear penalty.
 
-The constants bound errors measured on growing buds, thick and thin, up to bursting (docs/cost.md).
+The constants bound errors measured on growing buds, thick and thin, up to bursting.
 """
 
 from collections.abc import Sequence
