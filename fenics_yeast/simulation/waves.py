@@ -11,6 +11,7 @@ from ..solve import WaveModes
 from .recorder import Recorder
 
 _MOST_DOFS = 2000  # of an axisymmetric state
+_UNCHANGED = 0.02  # change of the volume at constant turgor, up to which none is examined again
 _BEYOND = 1.2  # waves that are looked at, over those of the shortest buckles
 
 
@@ -36,6 +37,7 @@ class WaveCheck:
         self._modes: WaveModes | None = None
         self._large = dx.size_of(shell.space) > _MOST_DOFS
         self.skipped = False
+        self._stable, self._found = (0.0, 0.0), False  # volume and pressure when last examined
 
     def __enter__(self) -> "WaveCheck":
         return self
@@ -53,8 +55,14 @@ class WaveCheck:
             return None
         if self._modes is None:
             self._modes = WaveModes(self._shell)
+        volume, pressure = self._shell.volume(), float(self._shell.pressure.value)
+        before, at = self._stable
+        if pressure == at > 0 and abs(volume - before) < _UNCHANGED * volume and not self._found:
+            return None
         count = self._modes.negative_modes
-        return next((n for n in range(self._least, self._most + 1) if count(n) > 0), None)
+        first = next((n for n in range(self._least, self._most + 1) if count(n) > 0), None)
+        self._stable, self._found = (volume, pressure), self._found or first is not None
+        return first
 
 
 def most_waves(scene: Scene) -> int:
