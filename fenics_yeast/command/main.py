@@ -219,9 +219,13 @@ def modes(
     Linear buckling, without growth and loads. Writes modes.csv, modes.png and, for ParaView,
     mode.vtu with the first mode.
     """
-    from ..output import OutputError
+    from ..output import DolfinxMissing, OutputError
     from .modes import find_modes, parse_waves
 
+    try:
+        from ..solve import EquilibriumError
+    except ImportError as error:
+        fail(str(error), BROKEN)
     try:
         scene = _load(scene_file, assignments)
         if launched() is not None:
@@ -230,8 +234,10 @@ def modes(
         found = find_modes(scene, parse_waves(waves), directory)
     except (SceneError, OutputError) as error:
         fail(str(error), BAD_INPUT)
-    except ImportError as error:
+    except DolfinxMissing as error:
         fail(str(error), BROKEN)
+    except EquilibriumError as error:
+        fail(f"no equilibrium under a very small pressure: {error}", FAILED)
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     for mode in found:

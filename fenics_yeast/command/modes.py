@@ -8,7 +8,7 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..output import replace_file, writing
+from ..output import DolfinxMissing, replace_file, writing
 from ..scene import Scene, SceneError
 
 if TYPE_CHECKING:
@@ -47,13 +47,21 @@ def find_modes(scene: Scene, waves: list[int], directory: Path) -> list[Buckling
         If the wall cannot buckle in this way.
     OutputError
         If the directory cannot be written.
+    DolfinxMissing
+        If there is no compiler.
+    EquilibriumError
+        If the wall has no equilibrium under a very small pressure.
     """
+    from .._form_cache import CompilerError
     from ..figures import draw_modes, first_mode, write_mode
     from ..simulation import buckling_modes
 
     if "free" in scene.cell.ends or not scene.wall.bending:
         raise SceneError("buckling needs a wall with bending stiffness and without a free edge")
-    modes = list(buckling_modes(scene, waves))
+    try:
+        modes = list(buckling_modes(scene, waves))
+    except CompilerError as error:
+        raise DolfinxMissing(str(error)) from None
     text = StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(["waves", "critical_pressure_MPa"])
@@ -61,6 +69,8 @@ def find_modes(scene: Scene, waves: list[int], directory: Path) -> list[Buckling
     known = [mode for mode in modes if mode.pressure is not None]
     with writing(directory):
         directory.mkdir(parents=True, exist_ok=True)
+        for name in (FIGURE, MODE):
+            (directory / name).unlink(missing_ok=True)
         replace_file(directory / TABLE, text.getvalue().encode())
         if known:
             draw_modes(modes, scene.title, directory / FIGURE)

@@ -77,8 +77,8 @@ class Deformation:
         strain = ufl.as_vector(kinematics.membrane_strains(R, r, r_S, z_S))
         E = ufl.variable(strain)
         eps = [_logarithmic((E[0], E[1]))]
-        psi = ufl.atan2(z_S, r_S) if hasattr(ufl, "atan2") else ufl.atan_2(z_S, r_S)
-        return cls(R, r**2 * z_S / 2, strain, E, eps, Meridian(r, r_S, z_S, psi, None), Phi, Phi_S)
+        current = Meridian(r, r_S, z_S, None, None)  # without a director
+        return cls(R, r**2 * z_S / 2, strain, E, eps, current, Phi, Phi_S)
 
 
 def resultants(section: Section, deformation: Deformation, eps_g: list[Any]) -> list[Any]:

@@ -73,7 +73,9 @@ def find_earlier_run(directory: Path, scene: Scene) -> EarlierRun:
     if ended is not None:
         reached = time if ended.status == "finished" else ended.end_time
         beyond = run.end > reached and not same_time(run.end, reached)
-        if beyond == (ended.status == "finished"):
+        stopped = earlier.run is not None and earlier.run.stop_at_bifurcation
+        goes_on = stopped and not run.stop_at_bifurcation
+        if goes_on or beyond == (ended.status == "finished"):
             ended = None
     return EarlierRun(start, ended)
 

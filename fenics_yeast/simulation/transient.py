@@ -114,18 +114,19 @@ class Transient:
         while (end := self._propose()) is not None:
             if self._scene.run.stop_at_contact and recorder.contact is not None:
                 return stopped_at_contact(recorder.rows[recorder.contact])
+            if self._scene.run.stop_at_bifurcation and recorder.bifurcation:
+                return stopped_at_bifurcation()
             try:
-                step = self._stepper.attempt(end)
+                step, waves = self._stepper.attempt(end), None
+                if not (past := self._past_limit()):
+                    step, end, waves = self._stop_at_bifurcation(step, end)
             except EquilibriumError as error:
                 problem: EquilibriumError | None = error
                 iterations = error.iterations
             else:
-                if not self._past_limit():
-                    step, end, waves = self._stop_at_bifurcation(step, end)
+                if not past:
                     if row := self._accept_or_reject(step, end, waves):
                         yield row
-                        if self._scene.run.stop_at_bifurcation and recorder.bifurcation:
-                            return stopped_at_bifurcation()
                         if (infinite := self._blow_up()) is not None:
                             return growth_unbounded(infinite, row)
                     continue
@@ -148,8 +149,8 @@ class Transient:
 
         Returns the trial step, its end in min and the waves of its falling mode.
         """
-        waves, recorder, self._passed = self._falling_waves(), self._recorder, None
-        if waves is None or recorder.bifurcation:
+        self._passed, waves = None, self._falling_waves_if_due()
+        if waves is None or self._recorder.bifurcation:
             return step, end, waves
         passed, found = end, waves
 
@@ -264,6 +265,10 @@ class Transient:
         """Return the smallest number of waves of a falling direction; None if stable."""
         return self._waves.first() if self._stable else 0
 
+    def _falling_waves_if_due(self) -> int | None:
+        """Return the same; None where the trial state is too near to the last one to differ."""
+        return self._falling_waves() if not self._stable or self._waves.due() else None
+
     def _past_limit(self) -> bool:
         """Whether the trial is past a limit point, or inside out; notes whether it is stable."""
         self._stable = self._stability.negative_modes() == 0
@@ -297,7 +302,7 @@ class Transient:
     def _accept(self, iterations: int, step: float) -> Row:
         """Record a state accepted on the approach to a limit point."""
         self._stable = self._stability.negative_modes() == 0
-        return self._recorder.accept(self._time, step, iterations, self._falling_waves())
+        return self._recorder.accept(self._time, step, iterations, self._falling_waves_if_due())
 
     def _finished(self, end: float) -> Outcome:
         last, controller = self._recorder.rows[-1], self._controller

@@ -1,6 +1,6 @@
 """Whether a state of a run is unstable to perturbations with waves around the axis."""
 
-from math import ceil
+from math import ceil, floor, log
 
 import numpy as np
 
@@ -30,14 +30,13 @@ class WaveCheck:
     """
 
     def __init__(self, scene: Scene, shell: Shell, recorder: Recorder, isotropic: bool) -> None:
-        self._shell, self._measurements = shell, recorder.measurements
+        self._shell, self._recorder = shell, recorder
         self._most = most_waves(scene) if isotropic and "free" not in scene.cell.ends else 0
         # A force on a closed cell would tilt it about the point on which it rests.
         self._least = 2 if scene.axial_load is not None and scene.cell.closed else 1
         self._modes: WaveModes | None = None
         self._large = dx.size_of(shell.space) > _MOST_DOFS
         self.skipped = False
-        self._stable, self._found = (0.0, 0.0), False  # volume and pressure when last examined
 
     def __enter__(self) -> "WaveCheck":
         return self
@@ -46,23 +45,29 @@ class WaveCheck:
         if self._modes is not None:
             self._modes.__exit__(*error)
 
+    def due(self) -> bool:
+        """Whether the trial state is to be examined: at constant turgor, every 2 % of the volume.
+
+        This depends only on the last row, so that a resumed run examines the same states.
+        """
+        rows, pressure = self._recorder.rows, float(self._shell.pressure.value)
+        if not rows or pressure <= 0 or pressure != rows[-1].pressure_MPa:
+            return True
+        volumes = rows[-1].volume_um3, self._shell.volume()
+        before, now = (floor(log(volume) / log(1 + _UNCHANGED)) for volume in volumes)
+        return before != now or bool(self._recorder.bifurcation)
+
     def first(self) -> int | None:
         """Return the smallest number of waves >= 1 of a falling direction in the trial state."""
-        if self._most == 0 or self._measurements.in_tension():
+        if self._most == 0 or self._recorder.measurements.in_tension():
             return None
         if self._large:
             self.skipped = True
             return None
         if self._modes is None:
             self._modes = WaveModes(self._shell)
-        volume, pressure = self._shell.volume(), float(self._shell.pressure.value)
-        before, at = self._stable
-        if pressure == at > 0 and abs(volume - before) < _UNCHANGED * volume and not self._found:
-            return None
         count = self._modes.negative_modes
-        first = next((n for n in range(self._least, self._most + 1) if count(n) > 0), None)
-        self._stable, self._found = (volume, pressure), self._found or first is not None
-        return first
+        return next((n for n in range(self._least, self._most + 1) if count(n) > 0), None)
 
 
 def most_waves(scene: Scene) -> int:

@@ -12,7 +12,7 @@ from .runge_kutta import TABLEAUX, ButcherTableau
 from .stability import Stability, StabilityState
 from .step_control import ControllerState, StepController, same_time
 from .time_stepper import StepperState, StepResult, TimeStepper
-from .waves import WaveModes, critical_pressure
+from .waves import WaveModes
 
 __all__ = [
     "TABLEAUX",
@@ -34,7 +34,6 @@ __all__ = [
     "TimeStepper",
     "WaveModes",
     "approach_limit_point",
-    "critical_pressure",
     "find_limit_force",
     "find_limit_pressure",
     "follow_path",

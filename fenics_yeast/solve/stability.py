@@ -1,15 +1,11 @@
-"""Stability of an equilibrium: the inertia of the tangent at given growth and pressure.
-
-By Sylvester's law of inertia, the factors L D Lᵀ of the tangent have as many negative entries in D
-as the tangent has negative eigenvalues.
-"""
+"""Stability of an equilibrium: the inertia of the tangent at given growth and pressure."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .. import _dolfinx as dx
 from ..mechanics import Shell
+from .inertia import Inertia
 
 _SAME = 2e-3  # relative change of the volume within which a count remains valid
 
@@ -24,35 +20,21 @@ class StabilityState:
 
 
 class Stability:
-    """Counts the negative modes of a shell: modes that reduce its potential; a context manager.
-
-    The shear force is a multiplier in the mixed potential: each of its DOFs gives the tangent one
-    negative eigenvalue. The further ones are negative modes. Only axisymmetric ones are seen.
-    """
+    """Counts the axisymmetric negative modes of a shell; a context manager."""
 
     def __init__(self, shell: Shell) -> None:
         self._shell = shell
         self._last = StabilityState()
-        self._matrix = dx.create_matrix(shell.forms.tangent)
-        self._matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
-        self._multipliers = dx.size_of_second(shell.space)
-        self._solver = dx.PETSc.PC().create(shell.comm)
-        self._solver.setOperators(self._matrix)
-        self._solver.setType("cholesky")
         serial = shell.comm.size == 1
-        self._solver.setFactorSolverType("petsc" if serial else "mumps")
-        if not serial:
-            self._solver.setFactorSetUpSolverType()
-            factors = self._solver.getFactorMatrix()
-            factors.setMumpsIcntl(13, 1)  # without ScaLAPACK, which counts no inertia
-            factors.setMumpsIcntl(24, 1)  # detect null pivots
+        self._inertia = Inertia(
+            shell.forms.tangent, shell.space, shell.comm, "petsc" if serial else "mumps"
+        )
 
     def __enter__(self) -> Stability:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._solver.destroy()
-        self._matrix.destroy()
+        self._inertia.destroy()
 
     def state(self) -> StabilityState:
         """Return the last count."""
@@ -77,7 +59,4 @@ class Stability:
         return self._last.negative_modes
 
     def _count(self) -> int:
-        dx.assemble_matrix(self._matrix, self._shell.forms.tangent, self._shell.conditions)
-        self._solver.setUp()
-        negative, _, _ = self._solver.getFactorMatrix().getInertia()
-        return int(negative) - self._multipliers
+        return self._inertia.negative_modes(self._shell.conditions)

@@ -76,10 +76,10 @@ def test_a_static_scene_gives_one_row_and_one_shape(here: Path) -> None:
     assert len(read_history(folder)) == len(read_profiles(folder)) == 1
 
 
-@pytest.mark.process
-def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
+def on_a_terminal(width: int) -> str:
+    """What a run of the small scene shows on a terminal of a width."""
     master, slave = pty.openpty()
-    environment = ranks.environment() | {"TERM": "xterm", "COLUMNS": "100"}
+    environment = ranks.environment() | {"TERM": "xterm", "COLUMNS": str(width)}
     process = start("run", "small.toml", stdin=slave, stdout=slave, stderr=slave, env=environment)
     os.close(slave)
     shown = b""
@@ -90,7 +90,12 @@ def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
             break
     os.close(master)
     assert process.wait() == 0
-    text = shown.decode()
+    return shown.decode()
+
+
+@pytest.mark.process
+def test_on_a_terminal_there_is_progress_and_a_table(here: Path) -> None:
+    text = on_a_terminal(100)
     assert " of 20 min" in text and "drawing figures" in text and "0:00:00" not in text
     table = text[text.index("bud radius (µm)") :]
     history = read_history(here / "out" / "small")
@@ -271,25 +276,14 @@ def test_quick_commands_load_nothing_heavy(
 @pytest.mark.parametrize("width", [20, 40, 60, 100])
 def test_tables_are_readable_on_a_narrow_terminal(here: Path, width: int) -> None:
     """No number is cut or broken over lines; further columns are left out."""
-    master, slave = pty.openpty()
-    environment = ranks.environment() | {"TERM": "xterm", "COLUMNS": str(width)}
-    run = start("run", "small.toml", stdin=slave, stdout=slave, stderr=slave, env=environment)
-    os.close(slave)
-    shown = b""
-    while True:
-        try:
-            shown += os.read(master, 65536)
-        except OSError:
-            break
-    os.close(master)
-    assert run.wait() == 0
-    table = shown.decode().replace("\r", "").splitlines()
+    text = on_a_terminal(width)
+    table = text.replace("\r", "").splitlines()
     history = read_history(here / "out" / "small")
     for t in (10, 20):
         assert any(
             line.split()[:2] == [f"{t}", f"{history.at(t).volume_ratio:.6f}"] for line in table
         )
-    assert ("bud radius" in shown.decode()) == (width > 72)
+    assert ("bud radius" in text) == (width > 72)
 
 
 def test_a_run_extended_beyond_its_saved_times_prints_its_last_volume(here: Path) -> None:

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from support.command import call, tree
 
+from fenics_yeast.output import read_history, read_summary
+
 CAPSULE = """
 cell = { shape = "capsule", diameter = 5, length = 15 }
 wall = { thickness = 0.1, shear_modulus = 40 }
@@ -61,3 +63,27 @@ def test_what_has_no_modes_is_refused_on_one_line(
     assert result.exit_code == 2 and result.stderr.count("\n") == 1
     assert said in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+DEFLATED = CAPSULE.replace("pressure = 0.2", "pressure = { time = [0, 10], value = [0.1, -0.02] }")
+
+
+@pytest.mark.slow
+def test_a_run_that_stopped_at_a_bifurcation_goes_on_if_it_need_not_stop(tmp_path: Path) -> None:
+    """And ends like one that was never to stop there, to the last digit."""
+    scene = tmp_path / "capsule.toml"
+    scene.write_text(DEFLATED + "run = { end = 10 }\nnumerics = { thickness_points = 2 }\n")
+    whole = call("run", str(scene), "--quiet", "--out", str(tmp_path / "whole"))
+    assert whole.exit_code == 0
+    stop = ("--set", "run.stop_at_bifurcation=true")
+    out = ("--quiet", "--out", str(tmp_path / "parts"))
+    stopped = call("run", str(scene), *out, *stop)
+    assert stopped.exit_code == 3
+    assert "stopped at a bifurcation; unstable beyond" in stopped.stderr
+    again = call("run", str(scene), *out, *stop, "--resume")
+    assert (again.exit_code, again.stderr) == (3, stopped.stderr)
+    assert call("run", str(scene), *out, "--resume").exit_code == 0
+    one, other = (read_history(tmp_path / name) for name in ("whole", "parts"))
+    assert one.rows == other.rows
+    waves = read_summary(tmp_path / "parts").bifurcation
+    assert waves is not None and waves.waves == 3

@@ -7,7 +7,7 @@ import pytest
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.simulation import build_shell
-from fenics_yeast.solve import Equilibrium, WaveModes, critical_pressure
+from fenics_yeast.solve import Equilibrium, WaveModes
 
 LINEAR = 'law = "linear"\nyoung_modulus = {E}\npoisson_ratio = {nu}'
 SHELL = """
@@ -25,18 +25,22 @@ thickness_points = 2
 
 
 def critical(scene: Scene, waves: int, guess: float) -> float:
-    """External pressure in MPa at which a mode with some waves begins to fall."""
+    """External pressure in MPa at which a mode with some waves begins to fall, by bisection."""
     shell = build_shell(scene)
-    with (
-        Equilibrium(shell, 1e-8 * guess * scene.cell.radius**2) as equilibrium,
-        WaveModes(shell) as modes,
-    ):
-        equilibrium.solve()
-        found = critical_pressure(
-            shell, equilibrium, lambda: modes.negative_modes(waves) > 0, -guess / 8, -3 * guess
-        )
-    assert found is not None
-    return -found
+    tolerance = 1e-8 * guess * scene.cell.radius**2
+    with Equilibrium(shell, tolerance) as equilibrium, WaveModes(shell) as modes:
+        stable, below, above = shell.state(), 0.0, 1e9
+        while above - below > 1e-5 * above:
+            pressure = min(below + guess / 8, (below + above) / 2)
+            assert pressure < 3 * guess
+            shell.pressure.value = -pressure
+            equilibrium.solve()
+            if modes.negative_modes(waves) > 0:
+                above = pressure
+                shell.restore(stable)
+            else:
+                stable, below = shell.state(), pressure
+    return (below + above) / 2
 
 
 @pytest.mark.parametrize("waves", [2, 3, 4])
