@@ -47,7 +47,6 @@ _CONSTRAINED: dict[End, tuple[int, ...]] = {
     "free": (),
 }
 _POLE_OF_ONE_WAVE = (S_, AXIAL, TWIST)
-_RIGID = (RADIAL, ROTATION)  # that fix a closed cell at its lower pole: no motion across, no tilt
 
 
 class SecondVariation:
@@ -99,7 +98,9 @@ class SecondVariation:
             one = end == "pole" and waves == 1
             fixed += [(i, S) for i in (_POLE_OF_ONE_WAVE if one else _CONSTRAINED[end])]
         if waves == 1 and ends == ("pole", "pole"):
-            fixed += [(i, discretisation.ends_at[0]) for i in _RIGID]
+            # No motion across the axis and no tilt; a membrane has no rotation to fix.
+            first, last = discretisation.ends_at
+            fixed += [(RADIAL, first), (ROTATION, first) if bending else (RADIAL, last)]
         elif waves == 1 and not {"clamped", "hinged"} & {*ends}:
             fixed.append((RADIAL, discretisation.ends_at[0]))  # no motion across the axis
         zero = self._reference.constant(0.0)

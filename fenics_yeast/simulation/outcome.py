@@ -65,6 +65,20 @@ def wall_softened(stretch: float, where: str) -> Outcome:
     )
 
 
+def wall_thinned(ratio: float, where: str) -> Outcome:
+    """Return the end of a run at a linear wall that has almost no thickness left."""
+    thinned = "the linear wall has thinned to nothing"
+    if ratio > 0:
+        thinned = (
+            f"the linear wall has thinned to {100 * ratio:.2g} % of its thickness, "
+            "and nothing is left a little further"
+        )
+    return Outcome(
+        "no-equilibrium",
+        f'no wall {where}: {thinned}; use law = "ogden" or thickness_change = "none"',
+    )
+
+
 def growth_limit_reached(row: Row, softens: bool = True) -> Outcome:
     """Return the end of a run at which growth reached a limit point, after its last row.
 

@@ -12,7 +12,7 @@ from ..scene import AnyWall
 from .history import Digest, Row
 from .measurements import Measurements
 from .profiles import Profile
-from .softening import softest_stretch
+from .softening import least_thickness, softest_stretch
 
 
 @dataclass(frozen=True)
@@ -124,9 +124,15 @@ class Recorder:
 
     def softest_stretch(self, wall: AnyWall) -> float | None:
         """Return the least stretch, in the trial state, at which the wall has no stiffness."""
-        comm = self._shell.comm
-        here = softest_stretch(wall, self.measurements.elastic_strain())
-        least = comm.allreduce(inf if here is None else here, op=dx.MPI.MIN)
+        return self._least(softest_stretch(wall, self.measurements.elastic_strain()))
+
+    def least_thickness(self, wall: AnyWall) -> float | None:
+        """Return the thickness ratio, in the trial state, of a wall that has thinned away."""
+        return self._least(least_thickness(wall, self.measurements.elastic_strain()))
+
+    def _least(self, here: float | None) -> float | None:
+        """Return the least value of all ranks that have one."""
+        least = self._shell.comm.allreduce(inf if here is None else here, op=dx.MPI.MIN)
         return least if least < inf else None
 
     def save(self) -> None:

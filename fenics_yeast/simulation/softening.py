@@ -1,9 +1,11 @@
-"""Where a wall has lost its stiffness, and with it its equilibrium."""
+"""Where a Saint Venant-Kirchhoff wall has lost its stiffness or its thickness."""
 
 import numpy as np
 
 from ..geometry import Array
 from ..scene import AnyWall, LinearWall
+
+_THIN = 0.1  # of the thickness; a little further, nothing is left and the stress is infinite
 
 
 def softest_stretch(wall: AnyWall, strain: Array) -> float | None:
@@ -35,3 +37,27 @@ def softest_stretch(wall: AnyWall, strain: Array) -> float | None:
     others = (squares[..., ::-1] - 1) / 2
     soft = (3 * squares - 1) / 2 + wall.poisson_ratio * others <= 0
     return float(np.sqrt(squares[soft].min())) if soft.any() else None
+
+
+def least_thickness(wall: AnyWall, strain: Array) -> float | None:
+    """Return the least thickness ratio of a Saint Venant-Kirchhoff wall that has thinned away.
+
+    In plane stress `λ3² = 1 - 2 ν (E1 + E2) / (1 - ν)`, which is zero at moderate strains; the
+    thickness of other laws never is.
+
+    Parameters
+    ----------
+    wall, strain
+        As in `softest_stretch`.
+
+    Returns
+    -------
+    float or None
+        The elastic stretch `λ3`, 0 where the wall has none; None if it is above 0.1 everywhere, or
+        the scene's thickness is constant.
+    """
+    if not isinstance(wall, LinearWall) or wall.thickness_change == "none" or not strain.size:
+        return None
+    nu, green = wall.poisson_ratio, (np.exp(2 * strain) - 1) / 2
+    least = float((1 - 2 * nu / (1 - nu) * green.sum(axis=-1)).min())
+    return max(0.0, least) ** 0.5 if least <= _THIN**2 else None

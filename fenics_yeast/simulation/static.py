@@ -27,6 +27,7 @@ from .outcome import (
     stopped_at_bifurcation,
     stopped_at_contact,
     wall_softened,
+    wall_thinned,
 )
 from .recorder import Recorder
 from .result import ErrorEstimate
@@ -87,6 +88,9 @@ class Static:
                     self._recorder.save()
                     return stopped_at_bifurcation()
                 yield (row := self._accept(iterations, waves))
+                if (thin := self._recorder.least_thickness(self._scene.wall)) is not None:
+                    self._recorder.save()
+                    return wall_thinned(thin, f"beyond {self._describe(row)}")
                 if path.stop_at_contact and self._recorder.contact is not None:
                     self._recorder.save()
                     return stopped_at_contact(row)

@@ -32,6 +32,7 @@ from .outcome import (
     stopped_at_bifurcation,
     stopped_at_contact,
     wall_softened,
+    wall_thinned,
 )
 from .recorder import Recorder
 from .result import ErrorEstimate, Timings
@@ -109,6 +110,8 @@ class Transient:
                 return lost
             self._settle(0.0)
             yield recorder.rows[-1]
+        if (lost := self._thinned()) is not None:
+            return lost
         if self._scene.run is None:
             return Outcome("finished", "equilibrium found")
         while (end := self._propose()) is not None:
@@ -129,18 +132,33 @@ class Transient:
                         yield row
                         if (infinite := self._blow_up()) is not None:
                             return growth_unbounded(infinite, row)
+                        if (lost := self._thinned()) is not None:
+                            return lost
                     continue
                 self._stepper.reject()
                 problem, iterations = None, step.iterations
             recorder.reject(iterations)
             controller.failed()
             if problem is None or controller.failures >= patience or controller.exhausted:
-                lost = yield from self._limits.find(end)
+                lost = yield from self._find_limit(end)
                 if lost is not None:
                     return lost
                 if controller.exhausted:
                     return self._failed(problem or "only states past a limit point were found")
         return self._finished(self._scene.run.end)
+
+    def _find_limit(self, end: float) -> Generator[Row, None, Outcome | None]:
+        """Look for a limit point on the way to a time, while the wall has a thickness."""
+        search = self._limits.find(end)
+        while True:
+            try:
+                yield next(search)
+            except StopIteration as stop:
+                found: Outcome | None = stop.value
+                return found
+            if (lost := self._thinned()) is not None:
+                search.close()
+                return lost
 
     def _stop_at_bifurcation(
         self, step: StepResult, end: float
@@ -319,6 +337,12 @@ class Transient:
         if (infinite := blow_up_time(rows, broken_off=True)) is not None:
             return growth_unbounded(infinite, rows[-1])
         return self._softened(where) or Outcome("failed", failed)
+
+    def _thinned(self) -> Outcome | None:
+        """Return the end of a run at a wall that has almost no thickness left."""
+        ratio = self._recorder.least_thickness(self._scene.wall)
+        where = f"beyond {self._time:g} min" if self._time else "under the initial loads"
+        return None if ratio is None else wall_thinned(ratio, where)
 
     def _softened(self, where: str) -> Outcome | None:
         """Return the end of a run if the wall, in its trial state, has no stiffness."""

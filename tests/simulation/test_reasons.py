@@ -90,6 +90,57 @@ def test_a_linear_wall_softens_at_one_over_the_root_of_three() -> None:
     assert softest_stretch(wall, strain * (1 + 1e-6, 1 - 1e-6)) is not None
 
 
+THIN = """
+[cell]
+shape = "sphere"
+diameter = 1.0
+[wall]
+thickness = 0.0312
+law = "linear"
+young_modulus = 15.0
+poisson_ratio = 0.4
+bending = false
+thickness_change = "elastic"
+"""
+GROWING = """
+[growth]
+zone = { from_fraction = 0.0, to_fraction = 1.0 }
+threshold = 1.25
+time = 5.0
+[run]
+end = 5.0
+"""
+
+
+def test_a_linear_wall_thins_to_nothing_at_a_moderate_stretch() -> None:
+    """`λ3² = 1 - 2 ν (λ² - 1) / (1 - ν)` of a sphere with stretch λ, V/V0 = λ³."""
+    volume = 1.75**1.5  # where λ3 = 0
+    path = "[path]\nuntil.volume_ratio = {}\nsteps = 2000"
+    nearly = simulate(Scene.from_toml(THIN + path.format((1 + 0.75 * 0.98) ** 1.5)))
+    assert nearly.status == "finished"
+    assert np.isfinite(nearly.profiles.all[-1].stress).all()
+    result = simulate(Scene.from_toml(THIN + path.format(4.0)))
+    assert result.status == "no-equilibrium"
+    assert "has thinned to" in result.message and 'thickness_change = "none"' in result.message
+    last = result.history.volume_ratio[-1]
+    assert (1 + 0.75 * 0.99) ** 1.5 - 1e-3 < last < volume
+    loaded = simulate(Scene.from_toml(THIN + "[turgor]\npressure = 0.9"))
+    assert loaded.status == "no-equilibrium"
+    assert "under the initial loads: the linear wall has thinned to nothing" in loaded.message
+    none = Scene.from_toml(THIN + path.format(4.0)).with_values({"wall.thickness_change": "none"})
+    assert simulate(none).status == "finished"
+
+
+@pytest.mark.parametrize("elements", [20, 40])
+def test_growth_thins_a_linear_wall_until_nothing_is_left(elements: int) -> None:
+    """The true stress, and with it growth, would become infinite at a finite volume."""
+    grown = f'energy_per = "reference"\n[turgor]\npressure = 0.156{GROWING}'
+    scene = Scene.from_toml(THIN + grown).with_values({"numerics.elements": elements})
+    result = simulate(scene)
+    assert result.status == "no-equilibrium" and "has thinned to" in result.message
+    assert result.history.time_min[-1] == pytest.approx(2.8037, abs=2e-3)
+
+
 def test_poles_that_pass_each_other_are_reported_or_end_the_path() -> None:
     scene = pressed(OGDEN, 0.0, -0.1, "[path]\nuntil = { displacement = -5.5 }\nsteps = 55")
     result = simulate(scene)

@@ -54,6 +54,20 @@ def test_a_long_ring_buckles_at_its_classical_pressure(waves: int) -> None:
     assert found == pytest.approx(classical, rel=1e-4)
 
 
+@pytest.mark.parametrize("bending", ["true", "false"])
+def test_motion_and_tilt_of_an_inflated_sphere_are_no_falling_modes(bending: str) -> None:
+    """All of its modes rise, although a mode of one wave moves or tilts it without any energy."""
+    cell = 'shape = "sphere"\ndiameter = 1.0'
+    wall = LINEAR.format(E=15.0, nu=0.4) + f"\nbending = {bending}"
+    scene = Scene.from_toml(SHELL.format(cell=cell, h=0.03, material=wall, elements=20))
+    shell = build_shell(scene)
+    with Equilibrium(shell, 1e-10) as equilibrium, WaveModes(shell) as modes:
+        for pressure in (0.01, 0.1, 0.3, 0.5, 0.8, 0.9, 1.2):
+            shell.pressure.value = pressure
+            equilibrium.solve()
+            assert [modes.negative_modes(n) for n in (1, 2, 3)] == [0, 0, 0]
+
+
 @pytest.mark.slow
 def test_a_complete_sphere_buckles_at_its_classical_pressure_whatever_the_waves() -> None:
     """`2 E (h/R)² / √(3 (1 - ν²))`; what is left of the difference falls with h/R."""
