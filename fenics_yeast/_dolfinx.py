@@ -179,6 +179,13 @@ def is_mixed(space: Any) -> bool:
     return space.dofmap.index_map_bs == 1
 
 
+def is_motion(space: Any) -> NDArray[np.bool_]:
+    """Return which local DOFs, ghosts among them, are of the motion and not shear forces."""
+    found = np.zeros(_local_size(space), dtype=bool)
+    found[_part(space, 0)[1]] = True
+    return found
+
+
 def dof_places(space: Any) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
     """Return component and arc length of each local DOF of a wall, ghosts among them.
 

@@ -8,7 +8,7 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..output import DolfinxMissing, replace_file, writing
+from ..output import DolfinxMissing, FolderLock, replace_file, writing
 from ..scene import Scene, SceneError
 
 if TYPE_CHECKING:
@@ -69,10 +69,11 @@ def find_modes(scene: Scene, waves: list[int], directory: Path) -> list[Buckling
     known = [mode for mode in modes if mode.pressure is not None]
     with writing(directory):
         directory.mkdir(parents=True, exist_ok=True)
-        for name in (FIGURE, MODE):
-            (directory / name).unlink(missing_ok=True)
-        replace_file(directory / TABLE, text.getvalue().encode())
-        if known:
-            draw_modes(modes, scene.title, directory / FIGURE)
-            write_mode(first_mode(known), directory / MODE)
+        with FolderLock(directory):
+            for name in (FIGURE, MODE):
+                (directory / name).unlink(missing_ok=True)
+            replace_file(directory / TABLE, text.getvalue().encode())
+            if known:
+                draw_modes(modes, scene.title, directory / FIGURE)
+                write_mode(first_mode(known), directory / MODE)
     return modes

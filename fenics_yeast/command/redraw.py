@@ -2,8 +2,16 @@
 
 from pathlib import Path
 
-from ..figures import draw, write_surfaces
-from ..output import FIGURES, read_history, read_profiles, read_scene, read_summary
+from ..figures import draw, write_mode, write_surfaces
+from ..output import (
+    FIGURES,
+    MODE_SURFACE,
+    read_history,
+    read_mode,
+    read_profiles,
+    read_scene,
+    read_summary,
+)
 from ..studies import TABLE, draw_sweep, read_table
 from .exits import on_terminal
 
@@ -45,12 +53,16 @@ def draw_folder(directory: Path, *, pdf: bool = False, moving: bool = False) -> 
     profiles = read_profiles(directory)  # before the history, which is ahead of them
     history = read_history(directory)
     status, bars = (None, None) if summary is None else (summary.status, summary.error_bars)
+    mode = read_mode(directory)
     made = []
     for suffix in suffixes:
-        results = history, profiles, status, bars
+        results = history, profiles, status, bars, mode
         made += draw(directory, scene, *results, names=FIGURES, suffix=suffix)
     if len(profiles):
         made.append(write_surfaces(directory, scene, profiles))
+    if mode is not None:
+        write_mode(mode, directory / MODE_SURFACE)
+        made.append(directory / MODE_SURFACE)
     if moving:
         from ..figures import animate
 

@@ -120,7 +120,7 @@ class ProgressLine:
 
     def note(self, line: str) -> None:
         """Print a line above the bar."""
-        self._console.print(line)
+        self._console.print(line, markup=False, soft_wrap=True)
 
     def refining(self, part: str) -> None:
         """Show which part is refined for the error bars."""

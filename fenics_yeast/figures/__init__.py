@@ -5,7 +5,7 @@ Draws what it is given; matplotlib is imported when a figure is drawn.
 
 from .animation import AnimationError, animate
 from .curves import LOST, Curve, pressures, volumes
-from .modes import draw_modes, first_mode, write_mode
+from .modes import draw_mode, draw_modes, first_mode, write_mode
 from .paraview import write_surfaces
 from .run_figures import draw
 from .shapes import shapes
@@ -19,6 +19,7 @@ __all__ = [
     "animate",
     "curve_axes",
     "draw",
+    "draw_mode",
     "draw_modes",
     "figure_of",
     "first_mode",

@@ -32,11 +32,21 @@ LOST: dict[Status | None, str] = {
 
 @dataclass(frozen=True)
 class Curve:
-    """A run in a figure of several: legend label, history and status, None while it runs."""
+    """A run in a figure of several: legend label, history and status, None while it runs.
+
+    `stops` says that it ends where its equilibrium becomes unstable.
+    """
 
     label: str
     history: History
     status: Status | None = "finished"
+    stops: bool = False
+
+    @property
+    def lost(self) -> str | None:
+        """Words that mark its end; None if it ends as it should."""
+        unstable = self.stops and self.status == "no-equilibrium"
+        return "stability lost" if unstable else LOST.get(self.status)
 
 
 def volume(
@@ -51,12 +61,16 @@ def volume(
     Error bars become a band with its width in numbers, because most are thinner than the line.
     """
     with _volume_axes(path) as axes:
-        curve = Curve(plain(scene.title), history, status)
+        stops = scene.run is not None and scene.run.stop_at_bifurcation
+        curve = Curve(plain(scene.title), history, status, stops)
         _draw_volume(axes, curve, COLOURS[0])
         saved = np.isin(history.time_min, scene.run.save if scene.run else ())
         axes.plot(
             history.time_min[saved], history.volume_ratio[saved], "o", color=COLOURS[0], ms=4.5
         )
+        if not history.stable.all():
+            handle = axes.plot([], [], "--", color=COLOURS[0])
+            axes.legend(handle, ["unstable"], loc="best")
         axes.set_title(curve.label)
         if error_bars is not None:
             _draw_band(axes, history, error_bars)
@@ -147,10 +161,9 @@ def _explain(axes: Axes, curves: Sequence[Curve], heading: str, place: str) -> N
         return
     left, low = (0.04, 0.45) if place == "upper left" else (0.8, 0.2)
     _add_colours(axes, curves, heading, left, low)
-    if any(curve.status in LOST for curve in curves):
+    if ends := dict.fromkeys(curve.lost for curve in curves if curve.lost):
         marker = axes.plot([], [], "x", color="0.4", ms=5, mew=1.8)
-        label = " or ".join(LOST[s] for s in LOST if s in {c.status for c in curves})
-        axes.legend(marker, [label], loc=(left - 0.03, low - 0.16))
+        axes.legend(marker, [" or ".join(ends)], loc=(left - 0.03, low - 0.16))
 
 
 def _add_colours(
@@ -211,15 +224,19 @@ def _draw_band(axes: Axes, history: History, bars: ErrorBars) -> None:
 def _draw_volume(axes: Axes, curve: Curve, colour: Any, note: bool = True) -> None:
     """Draw a curve; mark where its run lost equilibrium and, with a note, when."""
     history = curve.history
-    axes.plot(*smooth(history), color=colour, label=curve.label)
+    time, ratio = smooth(history)
+    rows = np.searchsorted(history.time_min, time * (1 - 1e-12), side="left")
+    stable = history.stable[np.minimum(rows, len(history) - 1)]
+    _draw_path(axes, time, ratio, stable, colour, curve.label)
     if curve.status == "unbounded":
         axes.set_yscale("log")
-    if curve.status in LOST and len(history):
+    if curve.lost and len(history):
         time, ratio = history.time_min[-1], history.volume_ratio[-1]
         axes.plot([time], [ratio], "x", color=colour, ms=7 if note else 5, mew=1.8)
+        axes.margins(y=0.12)  # room for the words
         when = "beyond" if curve.status == "unbounded" else "at"
         if note:
             axes.annotate(
-                f"{LOST[curve.status]}\n{when} {minutes(time)}", (time, ratio), (-8, -2),
+                f"{curve.lost}\n{when} {minutes(time)}", (time, ratio), (-8, -2),
                 textcoords="offset points", ha="right", va="center", color=colour, fontsize=8,
             )  # fmt: skip

@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..output import MERIDIAN, SHAPES, VOLUME
+from ..output import BUCKLED, MERIDIAN, SHAPES, VOLUME
 from ..scene import Scene
-from ..simulation import ErrorBars, History, Profiles, Status
+from ..simulation import BucklingMode, ErrorBars, History, Profiles, Status
 from .curves import equilibrium_path, volume
 from .meridian import meridian
+from .modes import draw_mode
 from .shapes import shapes
 
 
@@ -18,6 +19,7 @@ def draw(
     profiles: Profiles,
     status: Status | None = "finished",
     error_bars: ErrorBars | None = None,
+    mode: BucklingMode | None = None,
     *,
     names: Sequence[str] = (SHAPES, VOLUME),
     suffix: str = ".png",
@@ -28,7 +30,7 @@ def draw(
     ----------
     directory
         The output directory.
-    scene, history, profiles, status, error_bars
+    scene, history, profiles, status, error_bars, mode
         What was run, and its results; the status is None while it runs.
     names
         Which figures, of `output.FIGURES`.
@@ -51,6 +53,8 @@ def draw(
             shapes(profiles, history, scene, path)
         elif name == MERIDIAN and len(profiles):
             meridian(profiles, scene, path)
+        elif name == BUCKLED and mode is not None:
+            draw_mode(mode, scene.title, path)
         else:
             continue
         drawn.append(path)

@@ -69,6 +69,16 @@ def curve_axes(path: Path, xlabel: str, ylabel: str, left: float = 0.15) -> Iter
         axes.set_ylabel(ylabel)
         axes.grid(True)
         yield axes
+        _make_room(figure, axes)
+
+
+def _make_room(figure: Figure, axes: Axes) -> None:
+    """Move the left side of axes until their label is inside of the figure."""
+    outside = -axes.get_tightbbox().x0 / figure.bbox.width  # type: ignore[union-attr]
+    if outside > 0:
+        place = axes.get_position()
+        left = place.x0 + outside + 0.01
+        axes.set_position((left, place.y0, place.x1 - left, place.height))
 
 
 def plain(text: str) -> str:

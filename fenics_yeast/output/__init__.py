@@ -5,9 +5,11 @@ Only rank 0 writes. Reading needs no dolfinx.
 
 from .errors import DolfinxMissing, OutputError, RunLost
 from .files import (
+    BUCKLED,
     FIGURES,
     GIF,
     MERIDIAN,
+    MODE_SURFACE,
     MP4,
     SERIES,
     SHAPES,
@@ -19,13 +21,15 @@ from .files import (
 from .interrupts import SIGNALS, interrupt
 from .job import Job, Screen, failed_figures
 from .lock import FolderLock
-from .reading import read_history, read_profiles, read_result, read_scene
+from .reading import read_history, read_mode, read_profiles, read_result, read_scene
 from .summary import Summary, read_summary
 
 __all__ = [
+    "BUCKLED",
     "FIGURES",
     "GIF",
     "MERIDIAN",
+    "MODE_SURFACE",
     "MP4",
     "SERIES",
     "SHAPES",
@@ -42,6 +46,7 @@ __all__ = [
     "failed_figures",
     "interrupt",
     "read_history",
+    "read_mode",
     "read_profiles",
     "read_result",
     "read_scene",

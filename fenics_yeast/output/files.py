@@ -9,12 +9,14 @@ from pathlib import Path
 from .errors import OutputWriteError
 
 SCENE, HISTORY, PROFILES, RUN = "scene.toml", "history.csv", "profiles.npz", "run.json"
-CHECKPOINT = "checkpoint.npz"
+CHECKPOINT, MODE = "checkpoint.npz", "mode.npz"
 # Made from the others by the figures.
-SHAPES, VOLUME, MERIDIAN = (f"figures/{name}.png" for name in ("shapes", "volume", "meridian"))
-FIGURES = (SHAPES, VOLUME, MERIDIAN)
+SHAPES, VOLUME, MERIDIAN, BUCKLED = (
+    f"figures/{name}.png" for name in ("shapes", "volume", "meridian", "mode")
+)
+FIGURES = (SHAPES, VOLUME, MERIDIAN, BUCKLED)
 ANIMATIONS = GIF, MP4 = "figures/film.gif", "figures/film.mp4"
-SERIES, SURFACES = "surface.pvd", "surface"
+SERIES, SURFACES, MODE_SURFACE = "surface.pvd", "surface", "mode.vtu"
 
 
 @contextmanager

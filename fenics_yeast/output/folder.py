@@ -18,6 +18,8 @@ from .files import (
     CHECKPOINT,
     FIGURES,
     HISTORY,
+    MODE,
+    MODE_SURFACE,
     PROFILES,
     RUN,
     SCENE,
@@ -140,6 +142,10 @@ class OutputFolder:
             if len(self.rows) != len(result.history):  # interrupted between step and row
                 self.rows = list(result.history.rows)
                 self._write_history()
+            if result.mode is not None:
+                content = BytesIO()
+                np.savez(content, **vars(result.mode))
+                replace_file(self.path / MODE, content.getvalue())
         self.summarise(result, timings)
 
     def summarise(self, result: Result, timings: Timings) -> None:
@@ -161,7 +167,7 @@ class OutputFolder:
 
     def _remove_end(self) -> None:
         """Remove what was written at the end of an earlier run, and drawn of it since."""
-        for name in (RUN, SERIES, *FIGURES, *ANIMATIONS):
+        for name in (RUN, SERIES, MODE, MODE_SURFACE, *FIGURES, *ANIMATIONS):
             (self.path / name).unlink(missing_ok=True)
         for figure in FIGURES:
             (self.path / figure).with_suffix(".pdf").unlink(missing_ok=True)

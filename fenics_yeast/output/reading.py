@@ -6,9 +6,9 @@ from zipfile import BadZipFile
 import numpy as np
 
 from ..scene import Scene
-from ..simulation import COLUMNS, History, Profile, Profiles, Result, Row, discretise
+from ..simulation import COLUMNS, BucklingMode, History, Profile, Profiles, Result, Row, discretise
 from .errors import OutputError
-from .files import HISTORY, PROFILES, RUN, SCENE
+from .files import HISTORY, MODE, PROFILES, RUN, SCENE
 from .folder import read_value
 from .summary import read_summary
 
@@ -93,6 +93,26 @@ def read_profiles(directory: Path) -> Profiles:
     return Profiles(profiles, discretise(read_scene(directory)).zones)
 
 
+def read_mode(directory: Path) -> BucklingMode | None:
+    """Read the mode of the first bifurcation of a run that has ended; None if it has none.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be read.
+    """
+    path = directory / MODE
+    try:
+        with np.load(path) as file:
+            values = dict(file)
+        scalars = int(values.pop("waves")), float(values.pop("pressure"))
+        return BucklingMode(*scalars, **values)
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError, BadZipFile, EOFError):
+        raise OutputError(f"{path}: damaged; rerun the scene") from None
+
+
 def read_result(directory: Path) -> Result:
     """Read the result of a run that has ended.
 
@@ -107,4 +127,5 @@ def read_result(directory: Path) -> Result:
     values = dict(vars(summary))
     end_time = values.pop("end_time_min")
     del values["versions"]
-    return Result(read_history(directory), read_profiles(directory), end_time=end_time, **values)
+    parts = read_history(directory), read_profiles(directory)
+    return Result(*parts, end_time=end_time, mode=read_mode(directory), **values)

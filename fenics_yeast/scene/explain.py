@@ -57,8 +57,10 @@ def _explain(model: type[BaseModel], data: object, problem: ErrorDetails) -> str
 def _expected(model: type[BaseModel], data: object, path: Path) -> str:
     """Describe the values that the field at `path` below `model` takes."""
     annotation, metadata = field_at(model, data, path)
+    tabular = False
     if get_origin(annotation) in (UnionType, Union):
-        first = get_args(annotation)[0]  # the kind to describe; the other one is None or a table
+        first, *others = get_args(annotation)  # the kind to describe, and None or a table
+        tabular = any(model_of(other) for other in others)
         annotation, *own = get_args(first) if get_origin(first) is Annotated else (first,)
         metadata = metadata + own
     if model_of(annotation):
@@ -82,7 +84,8 @@ def _expected(model: type[BaseModel], data: object, path: Path) -> str:
     )
     kind = unit.kind if unit else _KINDS.get(annotation, "another value")
     example = f", e.g. {unit.example} (plain numbers are in {unit.symbol})" if unit else ""
-    return " ".join(filter(None, (kind, bounds))) + example
+    table = f", or a table [{key_text(path)}]" if tabular else ""
+    return " ".join(filter(None, (kind, bounds))) + example + table
 
 
 def _nearest(model: type[BaseModel], data: object, path: Path) -> str:

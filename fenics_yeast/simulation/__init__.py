@@ -5,6 +5,7 @@ The only room that knows both scenes and the shell. What loads dolfinx is import
 
 from typing import TYPE_CHECKING, Any
 
+from .buckling_mode import BucklingMode
 from .discretise import discretise
 from .history import COLUMNS, Digest, History, Row
 from .observers import Observers
@@ -24,7 +25,7 @@ from .result import (
 from .separation import pieces
 
 if TYPE_CHECKING:
-    from .buckling import BucklingMode, buckling_modes
+    from .buckling import buckling_modes
     from .build import build_shell
     from .checkpoint import Checkpoint, CheckpointError, ResumePoint
     from .simulation import Simulation, simulate
@@ -39,7 +40,6 @@ __all__ = [
 
 # What loads dolfinx, by the module that holds it.
 _LATE = {
-    "BucklingMode": "buckling",
     "buckling_modes": "buckling",
     "Checkpoint": "checkpoint",
     "CheckpointError": "checkpoint",

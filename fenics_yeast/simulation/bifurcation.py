@@ -3,8 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
+from ..geometry import Array
 from ..mechanics import Shell, ShellState
-from ..solve import BorderedNewton, EquilibriumError, StepResult, TimeStepper
+from ..solve import BorderedNewton, EquilibriumError, PathCoordinates, StepResult, TimeStepper
 
 _LOCATED = 5e-5  # of the time and of the load
 _MOST_HALVINGS = 40
@@ -12,7 +15,7 @@ _MOST_HALVINGS = 40
 
 def end_before(
     stepper: TimeStepper, falls: Callable[[], bool], end: float
-) -> tuple[StepResult, float]:
+) -> tuple[StepResult, float, int]:
     """Shorten a trial step to one that ends just before any mode falls.
 
     Parameters
@@ -26,10 +29,12 @@ def end_before(
 
     Returns
     -------
-    tuple of StepResult, float
-        The new trial step and its end; the given end if a mode falls from the start on.
+    tuple of StepResult, float, int
+        The new trial step and its end, the given end if a mode falls from the start on; Newton
+        iterations of the other trials.
     """
-    start = stable = stepper.accepted.time
+    iterations, start = 0, stepper.accepted.time
+    stable = start
     unstable = end
     pressure = stepper.pressure
     for _ in range(_MOST_HALVINGS):
@@ -40,26 +45,33 @@ def end_before(
         middle = (stable + unstable) / 2
         stepper.reject()
         try:
-            stepper.attempt(middle)
+            iterations += stepper.attempt(middle).iterations
             beyond = falls()
-        except EquilibriumError:
+        except EquilibriumError as error:
+            iterations += error.iterations
             beyond = True
         stable, unstable = (stable, middle) if beyond else (middle, unstable)
     stepper.reject()
     end = stable if stable > start else end
-    return stepper.attempt(end), end
+    return stepper.attempt(end), end, iterations
 
 
 def point_before(
-    shell: Shell, load: Any, falls: Callable[[], bool], last: tuple[ShellState, float],
+    shell: Shell,
+    coordinates: PathCoordinates,
+    falls: Callable[[], bool],
+    last: tuple[ShellState, float],
     tolerance: float,
-) -> bool:  # fmt: skip
+) -> tuple[int, bool]:
     """Move a shell along its path to the point just before any mode falls.
+
+    Halves the chord between two points; the path may turn back between them in its load or in the
+    conjugate of that.
 
     Parameters
     ----------
-    shell, load, tolerance
-        The wall at a point at which a mode falls, the varying load, the residual that is zero.
+    shell, coordinates, tolerance
+        The wall at a point at which a mode falls, its path, the residual in µN that is zero.
     falls
         Whether a mode falls in the trial state.
     last
@@ -67,28 +79,40 @@ def point_before(
 
     Returns
     -------
-    bool
-        Whether there is a stable point after the last one; otherwise the shell is at that one.
+    tuple of int, bool
+        Newton iterations, and whether there is a stable point after the last one; otherwise the
+        shell is at that one.
     """
-    lower, low = last
-    upper, high = shell.state(), float(load.value)
+    load, iterations = coordinates.load, 0
+    units = np.array([coordinates.conjugate_unit, coordinates.load_unit])
     with BorderedNewton(shell, load, tolerance) as solver:
-        conjugates = [solver.conjugate()]
-        _move(shell, load, lower, low)
-        conjugates.insert(0, solver.conjugate())
-        while abs(high - low) > _LOCATED * abs(high):
-            shell.w.x.array[:] = (lower.w + upper.w) / 2
-            load.value = (low + high) / 2
+
+        def here() -> tuple[ShellState, Array]:
+            return shell.state(), np.array([solver.conjugate(), load.value])
+
+        upper = here()
+        _move(shell, load, *last)
+        lower = here()
+        for _ in range(_MOST_HALVINGS):
+            chord = upper[1] - lower[1]
+            if (abs(chord) <= _LOCATED * abs(upper[1])).all():
+                break
+            direction = chord / units / np.linalg.norm(chord / units)
+            weights = direction[0], direction[1] * units[0] / units[1]  # the sum is a conjugate
+            middle = (lower[1] + upper[1]) / 2
+            shell.w.x.array[:] = (lower[0].w + upper[0].w) / 2
+            load.value = middle[1]
             try:
-                solver.solve(sum(conjugates) / 2)
-            except EquilibriumError:  # the conjugate turns back between the two
+                iterations += solver.solve(float(middle @ weights), weights)
+            except EquilibriumError as error:
+                iterations += error.iterations
                 break
             if falls():
-                upper, high, conjugates[1] = shell.state(), float(load.value), solver.conjugate()
+                upper = here()
             else:
-                lower, low, conjugates[0] = shell.state(), float(load.value), solver.conjugate()
-    _move(shell, load, lower, low)
-    return low != last[1]
+                lower = here()
+    _move(shell, load, lower[0], lower[1][1])
+    return iterations, lower[1][1] != last[1]
 
 
 def _move(shell: Shell, load: Any, state: ShellState, value: float) -> None:

@@ -1,51 +1,23 @@
 """Linear buckling of the unloaded wall under external pressure, for each number of waves."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 from .. import _dolfinx as dx
-from ..geometry import Array
 from ..mechanics import SecondVariation, Shell
 from ..scene import Scene
 from ..solve import Equilibrium
+from .buckling_mode import BucklingMode
 from .build import build_shell
+from .falling_mode import motion_of, variation_of
 from .scales import pressure_scale, residual_tolerance
 
 _SMALL = 1e-3  # pressure over that of a buckled sphere, to differentiate the second variation
 _SOUGHT = 6  # eigenvalues, of which the first real one counts
 _REAL = 1e-6  # imaginary part of an eigenvalue that counts as real
-
-
-@dataclass(frozen=True)
-class BucklingMode:
-    """A mode of linear buckling.
-
-    Attributes
-    ----------
-    waves
-        Number of waves n around the axis.
-    pressure
-        Critical pressure in MPa, negative as it is external; None if the wall does not buckle.
-    S, r, z
-        Arc length, radius and height in µm of the nodes of the unloaded meridian.
-    radial, around, axial
-        Displacements at the nodes along the radius, around the axis and along the axis: times
-        cos nθ, sin nθ and cos nθ, with a largest length of 1.
-    """
-
-    waves: int
-    pressure: float | None
-    S: Array
-    r: Array
-    z: Array
-    radial: Array
-    around: Array
-    axial: Array
 
 
 def buckling_modes(scene: Scene, waves: Sequence[int]) -> Iterator[BucklingMode]:
@@ -79,10 +51,7 @@ def buckling_modes(scene: Scene, waves: Sequence[int]) -> Iterator[BucklingMode]
 
 def _matrix(shell: Shell, variation: SecondVariation | None, waves: int) -> csc_array:
     """Return the second variation in the trial state."""
-    form, conditions = shell.forms.tangent, shell.conditions
-    if waves > 0 and variation is not None:
-        variation.waves.value = waves
-        form, conditions = variation.form, variation.conditions(waves)
+    _, form, conditions = variation_of(shell, variation, waves)
     matrix = dx.create_matrix(form)
     dx.assemble_matrix(matrix, form, conditions)
     rows, columns, values = matrix.getValuesCSR()
@@ -106,22 +75,12 @@ def _first(
     values, vectors = eigs(operator, k=_SOUGHT, which="LR", v0=np.linspace(1.0, 2.0, size))
     real = abs(values.imag) <= _REAL * abs(values)
     external = np.flatnonzero(real & (values.real > 0))
-    space: Any = shell.space if waves == 0 or variation is None else variation.space
-    S, dofs = dx.node_dofs(space)
+    S, dofs = dx.node_dofs(variation_of(shell, variation, waves)[0])
     order = np.argsort(S)
     curve, S = shell.discretisation.curve, S[order]
     place = S, curve.radius(S), curve.height(S)
     if not len(external):
-        nothing = np.zeros(len(S))
-        return BucklingMode(waves, None, *place, nothing, nothing, nothing)
+        return BucklingMode.of_motion(waves, None, place, np.zeros((len(S), 3)))
     first = external[np.argmax(values.real[external])]
-    motion = vectors[:, first].real[dofs[order]]
-    if waves == 0:
-        motion = np.column_stack([motion[:, 0], np.zeros(len(S)), motion[:, 1]])
-    else:
-        motion = np.column_stack([motion[:, 0], motion[:, 1] - motion[:, 0], motion[:, 2]])
-    lengths = np.hypot(np.hypot(motion[:, 0], motion[:, 2]), motion[:, 1])
-    motion /= motion[np.argmax(lengths)].sum() or lengths.max()
-    motion /= np.hypot(np.hypot(motion[:, 0], motion[:, 2]), motion[:, 1]).max()
-    pressure = -1.0 / float(values.real[first])
-    return BucklingMode(waves, pressure, *place, *motion.T)
+    motion = motion_of(vectors[:, first].real[dofs[order]], waves)
+    return BucklingMode.of_motion(waves, -1.0 / float(values.real[first]), place, motion)

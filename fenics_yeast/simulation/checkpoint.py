@@ -20,7 +20,7 @@ from .step_errors import StepErrorState
 
 Values = NDArray[Any]
 
-FORMAT = 5
+FORMAT = 6
 _FORMAT, _DIGEST = "format", "sha256"
 
 

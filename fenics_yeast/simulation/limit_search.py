@@ -11,7 +11,7 @@ from ..solve import (
     find_limit_pressure,
 )
 from .history import Row
-from .outcome import Outcome, growth_limit_reached, limit_pressure_exceeded
+from .outcome import Outcome, growth_limit_reached, limit_pressure_exceeded, wall_thinned
 from .recorder import Recorder
 
 
@@ -44,8 +44,27 @@ class LimitSearch:
     def _time(self) -> float:
         return self._stepper.accepted.time
 
+    def thinned(self) -> Outcome | None:
+        """Return the end of a run at a wall that has almost no thickness left."""
+        ratio = self._recorder.least_thickness(self._scene.wall)
+        where = f"beyond {self._time:g} min" if self._time else "under the initial loads"
+        return None if ratio is None else wall_thinned(ratio, where)
+
     def find(self, end: float) -> Generator[Row, None, Outcome | None]:
         """Return how the wall loses its equilibrium on the way to a time; None if it does not."""
+        search = self._find(end)
+        while True:
+            try:
+                yield next(search)
+            except StopIteration as stop:
+                found: Outcome | None = stop.value
+                return found
+            if (lost := self.thinned()) is not None:
+                search.close()
+                return lost
+
+    def _find(self, end: float) -> Generator[Row, None, Outcome | None]:
+        """Return the same, however thin the wall becomes."""
         if self._stepper.shell.growth is not None and (yield from self._meets_growth_limit(end)):
             return self._lost(end)
         start, pressure = self._time, self._stepper.pressure

@@ -109,9 +109,10 @@ def stopped_at_contact(row: Row) -> Outcome:
     return Outcome("finished", f"the wall touches itself at {_place(row)}; stopped there")
 
 
-def stopped_at_bifurcation() -> Outcome:
-    """Return the end of a run that was to end at its first bifurcation."""
-    return Outcome("no-equilibrium", "stopped at a bifurcation")
+def stopped_at_bifurcation(waves: int) -> Outcome:
+    """Return the end of a run that was to end where the first mode falls, with some waves."""
+    where = "a bifurcation" if waves > 0 else "a limit point or axisymmetric bifurcation"
+    return Outcome("no-equilibrium", f"stopped at {where}")
 
 
 def _unstable_beyond(row: Row, waves: int) -> str:

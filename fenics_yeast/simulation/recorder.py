@@ -9,6 +9,7 @@ from time import perf_counter
 from .. import _dolfinx as dx
 from ..mechanics import Shell, ShellState
 from ..scene import AnyWall
+from .buckling_mode import BucklingMode
 from .history import Digest, Row
 from .measurements import Measurements
 from .profiles import Profile
@@ -21,7 +22,8 @@ class RecorderState:
 
     `saved` says whether the last profile is that of the last row, `contact` is the number of the
     first row in which the wall touches itself, `digest` that of all rows; `bifurcation` has the
-    number of the last row before the first bifurcation, and the waves of the mode beyond it.
+    number of the last row before the first bifurcation, and the waves of the mode beyond it;
+    `mode` is that mode if it is known.
     """
 
     rows: int
@@ -32,13 +34,14 @@ class RecorderState:
     contact: int | None
     digest: str
     bifurcation: tuple[int, ...]
+    mode: BucklingMode | None
 
 
 class Recorder:
     """Records accepted states and profiles of a shell; its methods are collective.
 
     `rows` and `profiles` are complete on rank 0; other ranks have only the rows. `news` has those
-    that have not been published yet. `contact` and `bifurcation` are as in `RecorderState`.
+    that have not been published yet. `contact`, `bifurcation` and `mode` are as in `RecorderState`.
     """
 
     def __init__(self, shell: Shell) -> None:
@@ -51,6 +54,7 @@ class Recorder:
         self.rejected = self.iterations = 0
         self.contact: int | None = None
         self.bifurcation: tuple[int, ...] = ()
+        self.mode: BucklingMode | None = None
         self._digest = Digest()
         self.output_s = 0.0
 
@@ -59,7 +63,7 @@ class Recorder:
         counts = len(self.rows), len(self.profiles), self._saved
         return RecorderState(
             *counts, self.rejected, self.iterations, self.contact, self._digest.text,
-            self.bifurcation,
+            self.bifurcation, self.mode,
         )  # fmt: skip
 
     def restore(
@@ -70,7 +74,7 @@ class Recorder:
         self.rejected, self.iterations = state.rejected, state.iterations
         self._accepted = (self._shell.state(), float(self._shell.pressure.value))
         self._saved, self.contact = state.saved, state.contact
-        self.bifurcation = state.bifurcation
+        self.bifurcation, self.mode = state.bifurcation, state.mode
         self._digest = Digest(self.rows)
 
     def accept(self, time: float, step: float, iterations: int, unstable: int | None) -> Row:

@@ -7,6 +7,7 @@ from typing import Literal, Protocol
 
 from ..geometry import Array
 from . import tables
+from .buckling_mode import BucklingMode
 from .history import History, Row
 from .profiles import Profile, Profiles
 
@@ -163,6 +164,8 @@ class Result:
         Errors of V/V0 by refined runs, if they were requested.
     bifurcation
         Where the first equilibrium is unstable; None if all are stable.
+    mode
+        The mode there, if it has waves around the axis.
     """
 
     history: History
@@ -179,6 +182,7 @@ class Result:
     warnings: tuple[str, ...] = ()
     error_bars: ErrorBars | None = None
     bifurcation: Bifurcation | None = None
+    mode: BucklingMode | None = None
 
     def __repr__(self) -> str:
         return (

@@ -177,6 +177,7 @@ class Simulation:
             error_estimate=estimate,
             warnings=tuple(self._warnings(estimate)),
             bifurcation=self._bifurcation(),
+            mode=recorder.mode,
         )
 
     def _bifurcation(self) -> Bifurcation | None:

@@ -86,7 +86,7 @@ class Static:
                     yield before
                 if path.stop_at_bifurcation and self._recorder.bifurcation:
                     self._recorder.save()
-                    return stopped_at_bifurcation()
+                    return stopped_at_bifurcation(self._recorder.bifurcation[1])
                 yield (row := self._accept(iterations, waves))
                 if (thin := self._recorder.least_thickness(self._scene.wall)) is not None:
                     self._recorder.save()
@@ -103,6 +103,7 @@ class Static:
 
     def _accept(self, iterations: int, waves: int | None) -> Row:
         row = self._recorder.accept(0.0, 0.0, iterations, waves)
+        self._waves.keep_mode()
         self._last = (self._shell.state(), float(self._load.value))
         return row
 
@@ -124,9 +125,14 @@ class Static:
             found = found if beyond is None else beyond
             return beyond is not None
 
-        if point_before(shell, load, falls, self._last, self._tolerance):
+        iterations, found_one = point_before(
+            shell, self._coordinates()[0], falls, self._last, self._tolerance
+        )
+        recorder.iterations += iterations
+        if found_one:
             row = self._accept(0, None)
         recorder.pass_bifurcation(found)
+        self._waves.keep_mode()
         shell.restore(here[0])
         load.value = here[1]
         return row

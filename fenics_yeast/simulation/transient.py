@@ -32,7 +32,6 @@ from .outcome import (
     stopped_at_bifurcation,
     stopped_at_contact,
     wall_softened,
-    wall_thinned,
 )
 from .recorder import Recorder
 from .result import ErrorEstimate, Timings
@@ -110,7 +109,7 @@ class Transient:
                 return lost
             self._settle(0.0)
             yield recorder.rows[-1]
-        if (lost := self._thinned()) is not None:
+        if (lost := self._limits.thinned()) is not None:
             return lost
         if self._scene.run is None:
             return Outcome("finished", "equilibrium found")
@@ -118,7 +117,7 @@ class Transient:
             if self._scene.run.stop_at_contact and recorder.contact is not None:
                 return stopped_at_contact(recorder.rows[recorder.contact])
             if self._scene.run.stop_at_bifurcation and recorder.bifurcation:
-                return stopped_at_bifurcation()
+                return stopped_at_bifurcation(recorder.bifurcation[1])
             try:
                 step, waves = self._stepper.attempt(end), None
                 if not (past := self._past_limit()):
@@ -132,7 +131,7 @@ class Transient:
                         yield row
                         if (infinite := self._blow_up()) is not None:
                             return growth_unbounded(infinite, row)
-                        if (lost := self._thinned()) is not None:
+                        if (lost := self._limits.thinned()) is not None:
                             return lost
                     continue
                 self._stepper.reject()
@@ -140,25 +139,12 @@ class Transient:
             recorder.reject(iterations)
             controller.failed()
             if problem is None or controller.failures >= patience or controller.exhausted:
-                lost = yield from self._find_limit(end)
+                lost = yield from self._limits.find(end)
                 if lost is not None:
                     return lost
                 if controller.exhausted:
                     return self._failed(problem or "only states past a limit point were found")
         return self._finished(self._scene.run.end)
-
-    def _find_limit(self, end: float) -> Generator[Row, None, Outcome | None]:
-        """Look for a limit point on the way to a time, while the wall has a thickness."""
-        search = self._limits.find(end)
-        while True:
-            try:
-                yield next(search)
-            except StopIteration as stop:
-                found: Outcome | None = stop.value
-                return found
-            if (lost := self._thinned()) is not None:
-                search.close()
-                return lost
 
     def _stop_at_bifurcation(
         self, step: StepResult, end: float
@@ -179,7 +165,9 @@ class Transient:
             found = found if beyond is None else beyond
             return beyond is not None
 
-        step, end = end_before(self._stepper, falls, end)
+        self._recorder.iterations += step.iterations
+        step, end, iterations = end_before(self._stepper, falls, end)
+        self._recorder.iterations += iterations
         self._past_limit()
         self._passed = found if end < passed else None
         return step, end, waves if self._passed is None else None
@@ -205,6 +193,7 @@ class Transient:
     def _settle(self, time: float) -> None:
         """Save a profile of the accepted state at a time in min, if due, and a checkpoint."""
         run, recorder = self._scene.run, self._recorder
+        self._waves.keep_mode()
         if run is None or among(time, run.save):
             recorder.save()
         self.checkpoint = Checkpoint(
@@ -320,7 +309,9 @@ class Transient:
     def _accept(self, iterations: int, step: float) -> Row:
         """Record a state accepted on the approach to a limit point."""
         self._stable = self._stability.negative_modes() == 0
-        return self._recorder.accept(self._time, step, iterations, self._falling_waves_if_due())
+        row = self._recorder.accept(self._time, step, iterations, self._falling_waves_if_due())
+        self._waves.keep_mode()
+        return row
 
     def _finished(self, end: float) -> Outcome:
         last, controller = self._recorder.rows[-1], self._controller
@@ -337,12 +328,6 @@ class Transient:
         if (infinite := blow_up_time(rows, broken_off=True)) is not None:
             return growth_unbounded(infinite, rows[-1])
         return self._softened(where) or Outcome("failed", failed)
-
-    def _thinned(self) -> Outcome | None:
-        """Return the end of a run at a wall that has almost no thickness left."""
-        ratio = self._recorder.least_thickness(self._scene.wall)
-        where = f"beyond {self._time:g} min" if self._time else "under the initial loads"
-        return None if ratio is None else wall_thinned(ratio, where)
 
     def _softened(self, where: str) -> Outcome | None:
         """Return the end of a run if the wall, in its trial state, has no stiffness."""

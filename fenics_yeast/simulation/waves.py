@@ -8,6 +8,7 @@ from .. import _dolfinx as dx
 from ..mechanics import Shell
 from ..scene import LinearWall, Scene
 from ..solve import WaveModes
+from .falling_mode import falling_mode
 from .recorder import Recorder
 
 _MOST_DOFS = 2000  # of an axisymmetric state
@@ -64,10 +65,22 @@ class WaveCheck:
         if self._large:
             self.skipped = True
             return None
+        count = self._compiled().negative_modes
+        return next((n for n in range(self._least, self._most + 1) if count(n) > 0), None)
+
+    def keep_mode(self) -> None:
+        """Record the mode of the first bifurcation if the trial state is at it."""
+        recorder = self._recorder
+        if not recorder.bifurcation or recorder.mode is not None:
+            return
+        row, waves = recorder.bifurcation
+        if waves > 0 and len(recorder.rows) - row <= 2:
+            recorder.mode = falling_mode(self._shell, self._compiled().variation, waves)
+
+    def _compiled(self) -> WaveModes:
         if self._modes is None:
             self._modes = WaveModes(self._shell)
-        count = self._modes.negative_modes
-        return next((n for n in range(self._least, self._most + 1) if count(n) > 0), None)
+        return self._modes
 
 
 def most_waves(scene: Scene) -> int:

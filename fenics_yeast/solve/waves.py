@@ -7,10 +7,13 @@ from .inertia import Inertia
 
 
 class WaveModes:
-    """Counts the negative modes of a shell for each number of waves; a context manager."""
+    """Counts the negative modes of a shell for each number of waves; a context manager.
+
+    `variation` is the compiled second variation.
+    """
 
     def __init__(self, shell: Shell) -> None:
-        self._variation = variation = shell.second_variation()
+        self.variation = variation = shell.second_variation()
         self._inertia = Inertia(variation.form, variation.space, shell.comm)
 
     def __enter__(self) -> WaveModes:
@@ -21,5 +24,5 @@ class WaveModes:
 
     def negative_modes(self, waves: int) -> int:
         """Return the number of negative modes with `waves >= 1` waves in the trial state."""
-        self._variation.waves.value = waves
-        return self._inertia.negative_modes(self._variation.conditions(waves))
+        self.variation.waves.value = waves
+        return self._inertia.negative_modes(self.variation.conditions(waves))

@@ -55,8 +55,11 @@ def draw_sweep(directory: Path, suffix: str = ".png") -> list[Path]:
     if scene.run is None and scene.path is None:
         _draw_line(path, labels[0], rows, scene.title)
         return [path]
+    stops = scene.run is not None and scene.run.stop_at_bifurcation
     curves = [
-        Curve(plain(value_label(row.values[0])), read_history(directory / row.case), row.status)
+        Curve(
+            plain(value_label(row.values[0])), read_history(directory / row.case), row.status, stops
+        )
         for row in rows
     ]
     together = volumes if scene.run is not None else pressures

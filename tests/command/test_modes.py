@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.command import call, tree
 
-from fenics_yeast.output import read_history, read_summary
+from fenics_yeast.output import read_history, read_mode, read_result, read_summary
 
 CAPSULE = """
 cell = { shape = "capsule", diameter = 5, length = 15 }
@@ -87,3 +87,27 @@ def test_a_run_that_stopped_at_a_bifurcation_goes_on_if_it_need_not_stop(tmp_pat
     assert one.rows == other.rows
     waves = read_summary(tmp_path / "parts").bifurcation
     assert waves is not None and waves.waves == 3
+    modes = [read_mode(tmp_path / name) for name in ("whole", "parts")]
+    for values in zip(*(vars(mode).values() for mode in modes), strict=True):
+        np.testing.assert_array_equal(*values)
+
+
+def test_plot_draws_the_mode_of_a_run_and_a_new_run_removes_it(tmp_path: Path) -> None:
+    scene, out = tmp_path / "capsule.toml", tmp_path / "out"
+    path = "path = { until = { pressure = -0.012 }, steps = 5 }\n"
+    scene.write_text(CAPSULE + path + "numerics = { elements = 16 }\n")
+    run = ("run", str(scene), "--quiet", "--out", str(out))
+    assert call(*run).exit_code == 0
+    drawn = call("plot", str(out))
+    assert drawn.exit_code == 0, drawn.stderr
+    assert {"mode.npz", "mode.vtu", "figures/mode.png"} <= tree(out)
+    mode = meshio.read(out / "mode.vtu")
+    moved = np.linalg.norm(mode.point_data["displacement (µm)"], axis=1)
+    assert 0.45 < moved.max() <= 0.5
+    assert read_result(out).mode is not None
+    assert call(*run, "--set", "path.until.pressure=-0.005").exit_code == 0
+    assert not {"mode.npz", "mode.vtu", "figures/mode.png"} & tree(out)
+    assert read_mode(out) is None
+    (out / "mode.npz").write_bytes(b"PK")
+    damaged = call("plot", str(out))
+    assert damaged.exit_code == 2 and "mode.npz: damaged" in damaged.stderr

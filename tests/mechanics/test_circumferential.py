@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from fenics_yeast import Scene
 from fenics_yeast import _dolfinx as dx
 from fenics_yeast.simulation import build_shell
+from fenics_yeast.solve import Equilibrium
 
 MU, ALPHA, H, KAPPA = 40.0, 3.0, 0.2, 10.0
 SCENE = f"""
@@ -213,3 +215,44 @@ def test_pressure_does_the_work_of_the_enclosed_volume(waves):
     assert volume(0.0) == pytest.approx(shell.volume(), rel=1e-5)
     expected = 2 * np.mean([volume(e) / e**2 for e in circle]).real
     assert -np.pi * v @ (K[1] - K[0]) @ v == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        'shape = "cylinder", diameter = 4, length = 6, edge = "guided"',
+        'shape = "sphere", diameter = 5',
+    ],
+)
+def test_without_waves_it_is_the_axisymmetric_second_variation(cell):
+    """Of a motion without twist, `s = a` and `τ = β cos Φ`, in an inflated state."""
+    scene = Scene.from_toml(f"""
+    cell = {{ {cell} }}
+    wall = {{ thickness = 0.1, shear_modulus = 40 }}
+    turgor = {{ pressure = 0.3 }}
+    numerics = {{ elements = 20 }}
+    """)
+    shell = build_shell(scene)
+    with Equilibrium(shell, 1e-9) as equilibrium:
+        equilibrium.solve()
+    variation = shell.second_variation()
+    variation.waves.value = 0
+    length = scene.cell.curve.length
+    values = []
+    for space, form in ((shell.space, shell.forms.tangent), (variation.space, variation.form)):
+        v = dx.fem.Function(space)
+        S, dofs = dx.node_dofs(space)
+        part = np.pi * S / length
+        a, c, beta = np.sin(part) ** 2, 0.3 * np.sin(2 * part), 0.2 * np.sin(part)
+        motion = [a, c, beta]
+        if space is variation.space:
+            motion = [a, a, c, beta, beta * np.cos(scene.cell.curve.angle(S))]
+        v.x.array[dofs] = np.column_stack(motion)
+        part, places = space.sub(1).collapse()
+        size = part.dofmap.index_map_bs
+        v.x.array[np.ravel(places).reshape(-1, size)[:, 0]] = 0.4
+        matrix = dx.create_matrix(form)
+        dx.assemble_matrix(matrix, form, [])
+        rows, columns, entries = matrix.getValuesCSR()
+        values.append(v.x.array @ (csr_array((entries, columns, rows)) @ v.x.array))
+    assert values[0] == pytest.approx(values[1], rel=1e-9)
