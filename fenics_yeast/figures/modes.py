@@ -71,7 +71,8 @@ def draw_mode(mode: BucklingMode, title: str, path: Path) -> None:
     with figure_of(path, 4.6, 3.2) as figure:
         profile = place(figure, 0.75, 0.55, 1.6, 2.2)
         _profile(profile, mode)
-        profile.set_title(plain(title) or f"mode with n = {mode.waves}")
+        profile.set_title("")
+        figure.text(0.5, 0.96, plain(title), ha="center", va="center")
         _shape(figure, 0.54, 0.44, mode)
 
 
