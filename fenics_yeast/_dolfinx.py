@@ -338,6 +338,13 @@ def assemble_matrix(matrix: Any, form: Any, conditions: Sequence[Any]) -> None:
     matrix.assemble()
 
 
+def constrain(matrix: Any, conditions: Sequence[Any]) -> None:
+    """Turn the rows and columns of homogeneous conditions into those of 1."""
+    first, last = matrix.getOwnershipRange()
+    dofs = first + np.concatenate([condition.dof_indices()[0] for condition in conditions])
+    matrix.zeroRowsColumns(dofs[dofs < last], diag=1.0)
+
+
 def assemble_scalar(form: Any, comm: Any) -> float:
     """Assemble a compiled functional, summed over the ranks."""
     return float(comm.allreduce(fem.assemble_scalar(form), op=MPI.SUM))

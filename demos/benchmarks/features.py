@@ -1,6 +1,6 @@
-"""Cost of each feature of a scene: DOFs, growth strains, time of a Newton iteration.
+"""Cost of each feature of a scene: DOFs, growth strains, time of a Newton iteration, stability.
 
-The table of `docs/cost.md`, which `--write` replaces. A first run of each scene, which may compile
+The tables of `docs/cost.md`, which `--write` replaces. A first run of each scene, which may compile
 forms, is discarded; the minimum of several others is reported.
 """
 
@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from time import perf_counter
 
 from fenics_yeast import Scene, simulate
-from fenics_yeast.simulation import build_shell
+from fenics_yeast.simulation import Result, build_shell
+from fenics_yeast.simulation.waves import WaveCheck, most_waves
+from fenics_yeast.solve import Equilibrium, WaveModes
 
 ROOT = Path(__file__).parent.parent.parent
 REPEATS = 5
@@ -50,6 +53,18 @@ FEATURES: dict[str, dict[str, object]] = {
 }  # fmt: skip
 
 
+CAPSULE = Scene.load(ROOT / "demos" / "scenes" / "capsule.toml")
+ON_A_PATH: dict[str, object] = {
+    "run": None, "turgor.pressure": 0, "path": {"until": {"pressure": -0.02}, "steps": 20}
+}  # fmt: skip
+EXAMINED = {
+    "growing bud": BUD.with_values({"run": {"end": 90}}),
+    "capsule that loses its turgor": CAPSULE,
+    "same, a path to -20 kPa": CAPSULE.with_values(ON_A_PATH),
+    "same, four times the elements": CAPSULE.with_values(ON_A_PATH | {"numerics.elements": 124}),
+}
+
+
 def measured(values: dict[str, object]) -> tuple[int, int, int, float]:
     """Return numbers of DOFs, growth strains and iterations, and microseconds per iteration."""
     scene = BUD.with_values(values)
@@ -72,6 +87,50 @@ def table() -> str:
     return "\n".join(lines)
 
 
+def stability() -> str:
+    """Return the table of what it costs to examine waves around the axis."""
+    lines = [
+        "| scene | DOFs | rows | loop (ms) | loop without (ms) | n up to | one n (ms) |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name, scene in EXAMINED.items():
+        times: dict[bool, list[float]] = {True: [], False: []}
+        for examined in (True, False) * (REPEATS + 1):
+            result = loop(scene, examined)
+            times[examined].append(1e3 * result.timings.loop_s)
+        full, without = (min(times[examined][1:]) for examined in (True, False))
+        lines.append(
+            f"| {name} | {result.dofs} | {len(result.history)} | {full:.0f} | {without:.0f} "
+            f"| {most_waves(scene)} | {1e3 * per_number(scene):.1f} |"
+        )
+        print(lines[-1], flush=True)
+    return "\n".join(lines)
+
+
+def loop(scene: Scene, examined: bool) -> Result:
+    """Run a scene, with or without an examination of waves around the axis."""
+    falling = WaveCheck.falling
+    if not examined:
+        WaveCheck.falling = lambda *_: iter(())
+    try:
+        return simulate(scene)
+    finally:
+        WaveCheck.falling = falling
+
+
+def per_number(scene: Scene) -> float:
+    """Return the seconds of one number of waves, in a slightly compressed state."""
+    shell = build_shell(scene)
+    with Equilibrium(shell, 1e-9) as equilibrium, WaveModes(shell) as modes:
+        shell.pressure.value = -1e-3
+        equilibrium.solve()
+        modes.negative_modes(2)
+        began = perf_counter()
+        for n in range(2, 2 + REPEATS):
+            modes.negative_modes(n)
+        return (perf_counter() - began) / REPEATS
+
+
 TEXT = """# Cost of each feature
 
 The paper's bud in the preset `"default"`, to 40 min, with one thing changed at a time. A scene
@@ -83,10 +142,20 @@ force. Minimum of {repeats} runs on a shared machine; written by `demos/benchmar
 --write`.
 
 {table}
+
+## Stability against waves around the axis
+
+A wall in tension everywhere is not examined. Otherwise each number of waves n is one factorisation,
+up to that of the shortest buckles, after three assemblies; to locate a bifurcation, only the modes
+that fall are followed. "Without" is the same run without this examination.
+
+{stability}
 """
 
 if __name__ == "__main__":
-    found = table()
+    found, examined = table(), stability()
     if "--write" in sys.argv[1:]:
         path = ROOT / "docs" / "cost.md"
-        path.write_text(TEXT.format(repeats=REPEATS, table=found), encoding="utf-8")
+        path.write_text(
+            TEXT.format(repeats=REPEATS, table=found, stability=examined), encoding="utf-8"
+        )

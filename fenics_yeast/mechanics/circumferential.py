@@ -87,21 +87,29 @@ class SecondVariation:
             )
         w, dw = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
         self.form = dx.compile_form(ufl.derivative(ufl.derivative(total, v, w), v, dw))
+        self._conditions: dict[bool, list[Any]] = {}
 
     def conditions(self, waves: int) -> list[Any]:
         """Return the conditions at the ends, all homogeneous, for a number of waves."""
+        one = waves == 1
+        if one not in self._conditions:
+            self._conditions[one] = self._fixed(one)
+        return self._conditions[one]
+
+    def _fixed(self, one_wave: bool) -> list[Any]:
+        """Return the conditions for one wave, or for more."""
         discretisation = self._reference.discretisation
         ends = discretisation.ends
         bending = dx.is_mixed(self.space)
         fixed = []
         for end, S in zip(ends, discretisation.ends_at, strict=True):
-            one = end == "pole" and waves == 1
-            fixed += [(i, S) for i in (_POLE_OF_ONE_WAVE if one else _CONSTRAINED[end])]
-        if waves == 1 and ends == ("pole", "pole"):
+            pole = end == "pole" and one_wave
+            fixed += [(i, S) for i in (_POLE_OF_ONE_WAVE if pole else _CONSTRAINED[end])]
+        if one_wave and ends == ("pole", "pole"):
             # No motion across the axis and no tilt; a membrane has no rotation to fix.
             first, last = discretisation.ends_at
             fixed += [(RADIAL, first), (ROTATION, first) if bending else (RADIAL, last)]
-        elif waves == 1 and not {"clamped", "hinged"} & {*ends}:
+        elif one_wave and not {"clamped", "hinged"} & {*ends}:
             fixed.append((RADIAL, discretisation.ends_at[0]))  # no motion across the axis
         zero = self._reference.constant(0.0)
         return [
@@ -188,8 +196,10 @@ class _Density:
         total = ufl.dot(first, ufl.diff(N, wall.E) * first) / 2 + ufl.dot(N, second)
         points = zip(section.weights, section.distances, wall.eps, strict=True)
         for j, (weight, xi, eps) in enumerate(points):
-            E12 = self._E12m + xi * self._E12b
-            total += weight * _in_surface(section.material, eps, eps_g[j] if eps_g else None, E12)
+            parts = self._E12m, xi * self._E12b
+            total += weight * _in_surface(
+                section.material, eps, eps_g[j] if eps_g else None, *parts
+            )
         if not self._bending:
             return total
         Q1, Q2 = (section.shear_force * self._shear[i] for i in range(2))
@@ -197,8 +207,14 @@ class _Density:
         return total - (Q1**2 + Q2**2) * section.compliance / 2
 
 
-def _in_surface(material: Material, eps: Any, eps_g: Any, E12: Any) -> Any:
-    """Return the energy of a small shear strain `E12` between the principal directions."""
+def _in_surface(material: Material, eps: Any, eps_g: Any, E12m: Any, E12b: Any) -> Any:
+    """Return the energy of a small shear strain between the principal directions.
+
+    It is the sum of that of the mid-surface and that of the twist. Where the stiffness is negative,
+    at large strains of some walls, stresses on the rotating director would outweigh it, in a term
+    of second order in the distance that the theory neglects. There the twist has that term, with
+    the stiffness `2 (τ1 - τ2) / (C1² - C2²)`.
+    """
     elastic = ufl.variable(eps if eps_g is None else eps - eps_g)
     tau = kirchhoff_stress(material.psi, elastic)
     S = [tau[i] * ufl.exp(-2 * elastic[i]) for i in range(2)]
@@ -214,7 +230,8 @@ def _in_surface(material: Material, eps: Any, eps_g: Any, E12: Any) -> Any:
     grown: Any = 1
     if eps_g is not None:
         grown = ufl.exp(eps_g[0] + eps_g[1])
-    energy = stiffness * (2 * E12 / grown) ** 2 / 2
+    stresses = ufl.conditional(stiffness < 0, (S[0] + S[1]) / (C[0] + C[1]), 0.0)
+    energy = (stiffness * (E12m + E12b) ** 2 + stresses * E12b**2) * 2 / grown**2
     return energy * grown if material.per_grown else energy
 
 

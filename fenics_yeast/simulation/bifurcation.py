@@ -8,9 +8,41 @@ import numpy as np
 from ..geometry import Array
 from ..mechanics import Shell, ShellState
 from ..solve import BorderedNewton, EquilibriumError, PathCoordinates, StepResult, TimeStepper
+from .waves import WaveCheck
 
 _LOCATED = 5e-5  # of the time and of the load
 _MOST_HALVINGS = 40
+
+
+class FallingModes:
+    """The modes that fall beyond a bifurcation, of which fewer remain the nearer it is.
+
+    Called at a trial state, it says whether any of them falls there. It begins with all that fall
+    in the present trial state.
+
+    Parameters
+    ----------
+    check
+        Finds modes with waves around the axis.
+    unstable
+        Whether an axisymmetric mode falls in the trial state.
+    """
+
+    def __init__(self, check: WaveCheck, unstable: Callable[[], bool]) -> None:
+        self._check, self._unstable = check, unstable
+        self._numbers = [*([0] if unstable() else []), *check.falling()]
+
+    def __call__(self) -> bool:
+        axisymmetric = 0 in self._numbers and self._unstable()
+        waves = [n for n in self._numbers if n > 0]
+        now = [*([0] if axisymmetric else []), *self._check.falling(waves)]
+        self._numbers = now or self._numbers
+        return bool(now)
+
+    @property
+    def waves(self) -> int:
+        """The smallest number of waves of a mode that fell in the last unstable state."""
+        return self._numbers[0]
 
 
 def end_before(

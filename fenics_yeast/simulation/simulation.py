@@ -195,11 +195,6 @@ class Simulation:
         inaccurate = tolerance_warning(self._scene, estimate)
         if finished and inaccurate is not None:  # V/V0 has no error where it becomes infinite
             yield inaccurate
-        if self._driver.waves_skipped:
-            yield (
-                "stability was examined only for axisymmetric perturbations, as the wall has more "
-                "than 2000 DOFs; reduce numerics.elements to examine waves around the axis"
-            )
         cell = self._scene.cell
         if isinstance(cell, ProfileCell) and cell.smoothing.stress_error > _NOTABLE:
             yield smoothing_warning(cell.smoothing)

@@ -16,7 +16,7 @@ from ..solve import (
     find_limit_pressure,
     follow_path,
 )
-from .bifurcation import point_before
+from .bifurcation import FallingModes, point_before
 from .error_estimate import estimate_error
 from .history import Row
 from .loading import force_coordinates
@@ -117,21 +117,14 @@ class Static:
         if waves is None or recorder.bifurcation or not recorder.rows[-1].stable:
             return None
         here, row = (shell.state(), float(load.value)), None
-        found = waves
-
-        def falls() -> bool:
-            nonlocal found
-            beyond = self._falling_waves()
-            found = found if beyond is None else beyond
-            return beyond is not None
-
-        iterations, found_one = point_before(
-            shell, self._coordinates()[0], falls, self._last, self._tolerance
+        falling = FallingModes(self._waves, lambda: self._stability.negative_modes() > 0)
+        iterations, found = point_before(
+            shell, self._coordinates()[0], falling, self._last, self._tolerance
         )
         recorder.iterations += iterations
-        if found_one:
+        if found:
             row = self._accept(0, None)
-        recorder.pass_bifurcation(found)
+        recorder.pass_bifurcation(falling.waves)
         self._waves.keep_mode()
         shell.restore(here[0])
         load.value = here[1]
@@ -172,11 +165,6 @@ class Static:
         if coordinates.load is not shell.pressure:
             shell.force.begin()
         return None
-
-    @property
-    def waves_skipped(self) -> bool:
-        """Whether a compressed wall was too large to be examined for waves around the axis."""
-        return self._waves.skipped
 
     def estimate_error(self) -> ErrorEstimate:
         """Return the estimated error of V/V0 along the path."""

@@ -16,7 +16,7 @@ from ..solve import (
     StepResult,
     TimeStepper,
 )
-from .bifurcation import end_before
+from .bifurcation import FallingModes, end_before
 from .blow_up import blow_up_time
 from .build import turgor
 from .checkpoint import Checkpoint
@@ -156,20 +156,12 @@ class Transient:
         self._passed, waves = None, self._falling_waves_if_due()
         if waves is None or self._recorder.bifurcation:
             return step, end, waves
-        passed, found = end, waves
-
-        def falls() -> bool:
-            nonlocal found
-            self._past_limit()
-            beyond = self._falling_waves()
-            found = found if beyond is None else beyond
-            return beyond is not None
-
+        passed, falling = end, FallingModes(self._waves, self._unstable)
         self._recorder.iterations += step.iterations
-        step, end, iterations = end_before(self._stepper, falls, end)
+        step, end, iterations = end_before(self._stepper, falling, end)
         self._recorder.iterations += iterations
         self._past_limit()
-        self._passed = found if end < passed else None
+        self._passed = falling.waves if end < passed else None
         return step, end, waves if self._passed is None else None
 
     def _accept_or_reject(self, step: StepResult, end: float, waves: int | None) -> Row | None:
@@ -203,11 +195,6 @@ class Transient:
             recorder=recorder.state(),
             timings=Timings(),
         )
-
-    @property
-    def waves_skipped(self) -> bool:
-        """Whether a compressed wall was too large to be examined for waves around the axis."""
-        return self._waves.skipped
 
     def estimate_error(self) -> ErrorEstimate:
         """Return the estimated error of V/V0 at the saved times, or at the end of the last step."""
@@ -275,6 +262,11 @@ class Transient:
     def _falling_waves_if_due(self) -> int | None:
         """Return the same; None where the trial state is too near to the last one to differ."""
         return self._falling_waves() if not self._stable or self._waves.due() else None
+
+    def _unstable(self) -> bool:
+        """Whether an axisymmetric mode falls in the trial state."""
+        self._past_limit()
+        return not self._stable
 
     def _past_limit(self) -> bool:
         """Whether the trial is past a limit point, or inside out; notes whether it is stable."""

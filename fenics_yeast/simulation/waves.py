@@ -1,17 +1,16 @@
 """Whether a state of a run is unstable to perturbations with waves around the axis."""
 
+from collections.abc import Iterator, Sequence
 from math import ceil, floor, log
 
 import numpy as np
 
-from .. import _dolfinx as dx
 from ..mechanics import Shell
 from ..scene import LinearWall, Scene
 from ..solve import WaveModes
 from .falling_mode import falling_mode
 from .recorder import Recorder
 
-_MOST_DOFS = 2000  # of an axisymmetric state
 _UNCHANGED = 0.02  # change of the volume at constant turgor, up to which none is examined again
 _BEYOND = 1.2  # waves that are looked at, over those of the shortest buckles
 
@@ -26,8 +25,7 @@ class WaveCheck:
 
     Walls with a free edge, on whose opening pressure has no potential, and those of a user's own
     law, which may not be isotropic, are examined for axisymmetric perturbations only.
-    A closed cell under a force is examined from two waves on. Walls of more than 2000 DOFs, whose
-    examination would take longer than their equilibria, are not: `skipped` says so.
+    A closed cell under a force is examined from two waves on.
     """
 
     def __init__(self, scene: Scene, shell: Shell, recorder: Recorder, isotropic: bool) -> None:
@@ -36,8 +34,6 @@ class WaveCheck:
         # A force on a closed cell would tilt it about the point on which it rests.
         self._least = 2 if scene.axial_load is not None and scene.cell.closed else 1
         self._modes: WaveModes | None = None
-        self._large = dx.size_of(shell.space) > _MOST_DOFS
-        self.skipped = False
 
     def __enter__(self) -> "WaveCheck":
         return self
@@ -60,13 +56,14 @@ class WaveCheck:
 
     def first(self) -> int | None:
         """Return the smallest number of waves >= 1 of a falling direction in the trial state."""
+        return next(self.falling(), None)
+
+    def falling(self, numbers: Sequence[int] | None = None) -> Iterator[int]:
+        """Yield those of some numbers of waves >= 1, or of all, that fall in the trial state."""
         if self._most == 0 or self._recorder.measurements.in_tension():
-            return None
-        if self._large:
-            self.skipped = True
-            return None
-        count = self._compiled().negative_modes
-        return next((n for n in range(self._least, self._most + 1) if count(n) > 0), None)
+            return
+        every = range(self._least, self._most + 1)
+        yield from self._compiled().falling(every if numbers is None else numbers)
 
     def keep_mode(self) -> None:
         """Record the mode of the first bifurcation if the trial state is at it."""

@@ -21,16 +21,22 @@ class Inertia:
         The form, the space of its arguments, and the ranks that share it.
     solver
         The library that factorises: MUMPS pivots and works on any number of ranks.
+
+    Attributes
+    ----------
+    matrix
+        The form as it was assembled last.
     """
 
     def __init__(
         self, form: Any, space: Any, comm: Any, solver: Literal["petsc", "mumps"] = "mumps"
     ) -> None:
         self._form, self._multipliers = form, dx.size_of_second(space)
-        self._matrix = dx.create_matrix(form)
-        self._matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
+        self.matrix = dx.create_matrix(form)
+        self.matrix.setOption(dx.PETSc.Mat.Option.SYMMETRIC, True)
+        self.matrix.setOption(dx.PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._solver = dx.PETSc.PC().create(comm)
-        self._solver.setOperators(self._matrix)
+        self._solver.setOperators(self.matrix)
         self._solver.setType("cholesky")
         self._solver.setFactorSolverType(solver)
         if solver == "mumps":
@@ -42,11 +48,15 @@ class Inertia:
     def destroy(self) -> None:
         """Destroy the matrix and its factors."""
         self._solver.destroy()
-        self._matrix.destroy()
+        self.matrix.destroy()
 
     def negative_modes(self, conditions: Any) -> int:
         """Return the number of negative modes of the form, in its coefficients' present values."""
-        dx.assemble_matrix(self._matrix, self._form, conditions)
+        dx.assemble_matrix(self.matrix, self._form, conditions)
+        return self.count()
+
+    def count(self) -> int:
+        """Return the number of negative modes of the matrix as it is."""
         self._solver.setUp()
         negative, _, _ = self._solver.getFactorMatrix().getInertia()
         return int(negative) - self._multipliers

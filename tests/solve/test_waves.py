@@ -68,6 +68,33 @@ def test_motion_and_tilt_of_an_inflated_sphere_are_no_falling_modes(bending: str
             assert [modes.negative_modes(n) for n in (1, 2, 3)] == [0, 0, 0]
 
 
+def test_a_stretched_wall_of_negative_exponent_does_not_twist_by_itself() -> None:
+    """Where its stiffness against shear between the principal directions is negative."""
+    cell = 'shape = "sphere"\ndiameter = 1.0'
+    wall = "shear_modulus = 5.0\nogden_exponent = -2.0"
+    for elements in (10, 40):
+        scene = Scene.from_toml(SHELL.format(cell=cell, h=0.03, material=wall, elements=elements))
+        shell = build_shell(scene)
+        with Equilibrium(shell, 1e-10) as equilibrium, WaveModes(shell) as modes:
+            for pressure in (0.2, 0.4, 0.6):
+                shell.pressure.value = pressure
+                equilibrium.solve()
+                assert [modes.negative_modes(n) for n in (1, 2, 5)] == [0, 0, 0]
+            assert shell.volume() > 1.12**3 * shell.reference_volume
+
+
+def test_all_numbers_of_waves_at_once_are_those_one_by_one() -> None:
+    cell = 'shape = "capsule"\ndiameter = 5\nlength = 15'
+    text = SHELL.format(cell=cell, h=0.1, material="shear_modulus = 40.0", elements=20)
+    shell = build_shell(Scene.from_toml(text))
+    with Equilibrium(shell, 1e-9) as equilibrium, WaveModes(shell) as modes:
+        for pressure, expected in ((-0.005, []), (-0.01, [3]), (-0.02, [2, 3, 4])):
+            shell.pressure.value = pressure
+            equilibrium.solve()
+            assert list(modes.falling(range(1, 12))) == expected
+            assert [n for n in range(1, 12) if modes.negative_modes(n) > 0] == expected
+
+
 @pytest.mark.slow
 def test_a_complete_sphere_buckles_at_its_classical_pressure_whatever_the_waves() -> None:
     """`2 E (h/R)² / √(3 (1 - ν²))`; what is left of the difference falls with h/R."""
