@@ -63,8 +63,30 @@ def held(place: Path) -> Iterator[None]:
         except OSError:  # a file system without locks
             pass
         else:
-            _remove_unfinished(place)
+            _keeper(place).clean()
         yield
+        _keeper(place).note()
+
+
+class _Keeper:
+    """Removes unfinished compilations from a directory when another process has changed it."""
+
+    def __init__(self, place: Path) -> None:
+        self._place, self._changed = place, -1
+
+    def clean(self) -> None:
+        """Look at all files, unless no file has come or gone since this process has."""
+        if self._place.stat().st_mtime_ns != self._changed:
+            _remove_unfinished(self._place)
+
+    def note(self) -> None:
+        """Take the files as they are for good ones."""
+        self._changed = self._place.stat().st_mtime_ns
+
+
+@cache
+def _keeper(place: Path) -> _Keeper:
+    return _Keeper(place)
 
 
 def _remove_unfinished(place: Path) -> None:
