@@ -3,17 +3,19 @@
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import inf
+from math import floor, inf, log
 from time import perf_counter
 
 from .. import _dolfinx as dx
 from ..mechanics import Shell, ShellState
-from ..scene import AnyWall
+from ..scene import AnyWall, LinearWall
 from .buckling_mode import BucklingMode
 from .history import Digest, Row
 from .measurements import Measurements
 from .profiles import Profile
 from .softening import least_thickness, softest_stretch
+
+_MOVED = 5e-3  # of the volume at constant turgor, after which the wall may touch itself
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,7 @@ class Recorder:
             unstable_waves=unstable,
         )
         self._accepted, self._saved = (shell.state(), pressure), False
-        if self.contact is None and self.in_contact():
+        if self.contact is None and self.differs(_MOVED) and self.in_contact():
             self.contact = len(self.rows)
         if unstable is not None:
             self.pass_bifurcation(unstable)
@@ -122,16 +124,32 @@ class Recorder:
         if not self.bifurcation:
             self.bifurcation = (max(0, len(self.rows) - 1), waves)
 
+    def differs(self, part: float) -> bool:
+        """Whether the trial state is not near the last row: in turgor, or in volume by a part.
+
+        This depends only on the last row, so that a resumed run looks at the same states.
+        """
+        pressure = float(self._shell.pressure.value)
+        if not self.rows or pressure <= 0 or pressure != self.rows[-1].pressure_MPa:
+            return True
+        volumes = self.rows[-1].volume_um3, self._shell.volume()
+        before, now = (floor(log(volume) / log(1 + part)) for volume in volumes)
+        return before != now
+
     def in_contact(self) -> bool:
         """Whether the wall touches itself in the trial state."""
         return self.measurements.in_contact()
 
     def softest_stretch(self, wall: AnyWall) -> float | None:
         """Return the least stretch, in the trial state, at which the wall has no stiffness."""
+        if not isinstance(wall, LinearWall):
+            return None
         return self._least(softest_stretch(wall, self.measurements.elastic_strain()))
 
     def least_thickness(self, wall: AnyWall) -> float | None:
         """Return the thickness ratio, in the trial state, of a wall that has thinned away."""
+        if not isinstance(wall, LinearWall) or wall.thickness_change == "none":
+            return None
         return self._least(least_thickness(wall, self.measurements.elastic_strain()))
 
     def _least(self, here: float | None) -> float | None:

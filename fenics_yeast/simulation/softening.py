@@ -3,12 +3,12 @@
 import numpy as np
 
 from ..geometry import Array
-from ..scene import AnyWall, LinearWall
+from ..scene import LinearWall
 
 _THIN = 0.1  # of the thickness; a little further, nothing is left and the stress is infinite
 
 
-def softest_stretch(wall: AnyWall, strain: Array) -> float | None:
+def softest_stretch(wall: LinearWall, strain: Array) -> float | None:
     """Return the least stretch at which a Saint Venant-Kirchhoff wall resists no compression.
 
     With the energy of plane stress `E/(1 - ν²) (E1² + 2 ν E1 E2 + E2²)/2` in the Green-Lagrange
@@ -31,7 +31,7 @@ def softest_stretch(wall: AnyWall, strain: Array) -> float | None:
     float or None
         The stretch; None if the wall is stiff everywhere.
     """
-    if not isinstance(wall, LinearWall) or not strain.size:
+    if not strain.size:
         return None
     squares = np.exp(2 * strain)
     others = (squares[..., ::-1] - 1) / 2
@@ -39,7 +39,7 @@ def softest_stretch(wall: AnyWall, strain: Array) -> float | None:
     return float(np.sqrt(squares[soft].min())) if soft.any() else None
 
 
-def least_thickness(wall: AnyWall, strain: Array) -> float | None:
+def least_thickness(wall: LinearWall, strain: Array) -> float | None:
     """Return the least thickness ratio of a Saint Venant-Kirchhoff wall that has thinned away.
 
     In plane stress `λ3² = 1 - 2 ν (E1 + E2) / (1 - ν)`, which is zero at moderate strains; the
@@ -53,10 +53,9 @@ def least_thickness(wall: AnyWall, strain: Array) -> float | None:
     Returns
     -------
     float or None
-        The elastic stretch `λ3`, 0 where the wall has none; None if it is above 0.1 everywhere, or
-        the scene's thickness is constant.
+        The elastic stretch `λ3`, 0 where the wall has none; None if it is above 0.1 everywhere.
     """
-    if not isinstance(wall, LinearWall) or wall.thickness_change == "none" or not strain.size:
+    if not strain.size:
         return None
     nu, green = wall.poisson_ratio, (np.exp(2 * strain) - 1) / 2
     least = float((1 - 2 * nu / (1 - nu) * green.sum(axis=-1)).min())

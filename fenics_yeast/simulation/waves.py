@@ -1,7 +1,7 @@
 """Whether a state of a run is unstable to perturbations with waves around the axis."""
 
 from collections.abc import Iterator, Sequence
-from math import ceil, floor, log
+from math import ceil
 
 import numpy as np
 
@@ -43,16 +43,8 @@ class WaveCheck:
             self._modes.__exit__(*error)
 
     def due(self) -> bool:
-        """Whether the trial state is to be examined: at constant turgor, every 2 % of the volume.
-
-        This depends only on the last row, so that a resumed run examines the same states.
-        """
-        rows, pressure = self._recorder.rows, float(self._shell.pressure.value)
-        if not rows or pressure <= 0 or pressure != rows[-1].pressure_MPa:
-            return True
-        volumes = rows[-1].volume_um3, self._shell.volume()
-        before, now = (floor(log(volume) / log(1 + _UNCHANGED)) for volume in volumes)
-        return before != now or bool(self._recorder.bifurcation)
+        """Whether to examine the trial state: at constant turgor, every 2 % of the volume."""
+        return self._recorder.differs(_UNCHANGED) or bool(self._recorder.bifurcation)
 
     def first(self) -> int | None:
         """Return the smallest number of waves >= 1 of a falling direction in the trial state."""
