@@ -13,10 +13,11 @@ from .ordering import DofValues, Order, Ordering, PointValues
 from .quadrature import QuadraturePoints
 from .section import Approximation, WallProperties
 from .shell import Shell, ShellState
+from .structure import structure_of
 
 __all__ = [
     "Approximation", "DofValues", "Gaussian", "GrowthState", "Law", "Order", "Ordering",
     "OwnLaw", "Parameter", "PointValues", "QuadraturePoints", "SecondVariation", "Shell",
     "ShellState", "WallPoint", "WallProperties", "Weight", "growth_laws", "hyperelasticity",
-    "own_energy", "own_growth_law",
+    "own_energy", "own_growth_law", "structure_of",
 ]  # fmt: skip

@@ -109,13 +109,11 @@ class Forms:
         reference = self._reference
         if reference.discretisation.ends[1] != "free":
             return None
-        curve = reference.discretisation.curve
-        tags = dx.end_tag(reference.mesh, curve.length)
-        R = reference.constant(float(curve.radius(np.array([curve.length]))[0]))
+        tags = dx.end_tag(reference.mesh, reference.discretisation.curve.length)
         shell = self._deformation.Q is not None
         motion, change = (ufl.split(f)[0] if shell else f for f in (self._w, v))
         ds = ufl.Measure("ds", domain=reference.mesh, subdomain_data=tags)
-        return (R + motion[0]) ** 2 / 2 * change[AXIAL] * ds(1)
+        return (reference.edge_radius + motion[0]) ** 2 / 2 * change[AXIAL] * ds(1)
 
     def _through_growth(self, growth: GrowthState, by_growth: list[Any]) -> tuple[Any, Any]:
         """Return the resultants' derivatives by strain and by stage through the growth update.

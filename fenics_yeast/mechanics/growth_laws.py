@@ -5,6 +5,7 @@ a UFL vector of two components.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import ufl
@@ -73,6 +74,7 @@ def stress_driven(point: WallPoint, sigma_trs: Any, t_grw: Any, of_stress: Any =
     return ufl.conditional(ufl.gt(excess, 0), excess, 0) / t_grw * point.tau / size
 
 
+@cache
 def weighted(rate: Callable[..., Any]) -> Callable[..., Any]:
     """Return a growth rate multiplied by a weight of polarised growth, its parameter `of_rate`."""
 

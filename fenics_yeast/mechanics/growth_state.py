@@ -16,7 +16,7 @@ import ufl
 from .. import _dolfinx as dx
 from ..geometry import Array
 from .growth_laws import GrowthRate, WallPoint
-from .growth_weights import WeightField
+from .growth_weights import WeightField, Weights
 from .hyperelasticity import Material
 from .quadrature import QuadraturePoints
 
@@ -133,6 +133,15 @@ class GrowthState:
             current = following
         self.set(start)  # from which a smaller change of strain may converge
         return False
+
+    def reset(self, points: QuadraturePoints, weights: Sequence[Weights]) -> None:
+        """Begin again without growth in another wall of the same structure."""
+        self._trial[:] = 0
+        self._base[:] = 0
+        self.stage.value = np.float64(0)
+        self.span = (0.0, 0.0)
+        for field, values in zip(self._weights, weights, strict=True):
+            field.set(points, values)
 
     def update_weights(self) -> None:
         """Update weights that follow the tip to the trial state."""

@@ -89,10 +89,15 @@ class WeightField:
     def __init__(self, points: QuadraturePoints, stretch: Any, weights: Weights) -> None:
         field, self._dofs = points.function(1)
         self.function, self._values = field[0], field.x.array
+        self._arc_length = _ArcLength(points, stretch) if follow_tip(weights) else None
+        self.set(points, weights)
+
+    def set(self, points: QuadraturePoints, weights: Weights) -> None:
+        """Set the zones of another wall of the same structure, whose nodes have moved."""
         self._S, self._zones = points.S, weights
         self._inside = [points.inside(zone.parts) for zone in self._zones]
-        moving = any(zone.gaussian and zone.gaussian.follows_tip for zone in self._zones)
-        self._arc_length = _ArcLength(points, stretch) if moving else None
+        if self._arc_length is not None:
+            self._arc_length.move(points)
         self.set_interval(0.0, 0.0)
 
     def set_interval(self, start: float, end: float) -> None:
@@ -118,16 +123,17 @@ class WeightField:
         return zip(gaussians, self._growing, self._inside, strict=True)
 
 
+def follow_tip(weights: Weights) -> bool:
+    """Whether any of some weights follows the tip."""
+    return any(zone.gaussian and zone.gaussian.follows_tip for zone in weights)
+
+
 class _ArcLength:
     """Arc length along the current meridian at quadrature points, from the stretch in UFL."""
 
     def __init__(self, points: QuadraturePoints, stretch: Any) -> None:
-        self._elements, mesh = points.elements, points.mesh
-        count = len(dx.element_vertices(mesh))
-        every = replace(points, elements=np.arange(count, dtype=np.int32))
-        self._length = np.ptp(every.ends, axis=1)
-        self._order = Order(mesh.comm, every.ends.min(axis=1), every.owned)
-        self._stretch = every.compile([stretch])
+        self._elements = points.elements
+        self._stretch = self._every(points).compile([stretch])
         # Integrals of the polynomial through the points, from an element's start to each of them
         # and over the whole element.
         places = dx.quadrature_points(points.degree)
@@ -135,6 +141,18 @@ class _ArcLength:
         coefficients = np.linalg.inv(places ** (powers - 1))
         self._up_to = places**powers / powers @ coefficients
         self._whole = 1 / powers @ coefficients
+
+    def move(self, points: QuadraturePoints) -> None:
+        """Take over the places of the elements."""
+        every = self._every(points)
+        self._length = np.ptp(every.ends, axis=1)
+        self._order = Order(points.mesh.comm, every.ends.min(axis=1), every.owned)
+
+    @staticmethod
+    def _every(points: QuadraturePoints) -> QuadraturePoints:
+        """Return the points of all local elements."""
+        count = len(dx.element_vertices(points.mesh))
+        return replace(points, elements=np.arange(count, dtype=np.int32))
 
     def at_points(self) -> tuple[Array, float]:
         """Return arc length from the bottom at the points, and the whole length, in µm."""

@@ -31,10 +31,10 @@ class Law:
     function: Callable[..., Any]
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
 
-    def on(self, coefficient: Callable[[Parameter], Any]) -> Callable[[Any], Any]:
-        """Return the function with its parameters as coefficients of a wall, in UFL."""
-        values = {name: coefficient(value) for name, value in self.parameters.items()}
-        return lambda argument: self.function(argument, **values)
+    @property
+    def weights(self) -> dict[str, Weights]:
+        """The parameters that are weights."""
+        return {name: x for name, x in self.parameters.items() if isinstance(x, tuple)}
 
 
 OwnLaw = Law | Callable[..., Any]

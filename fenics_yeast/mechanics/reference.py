@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import CONSTRAINED, Discretisation
-from .laws import Parameter
 from .quadrature import QuadraturePoints
 
 ELASTIC, GROWING = 0, 1
@@ -24,24 +23,41 @@ class Reference:
         Interval mesh of the meridian, shared by a communicator.
     points, growing_points
         Quadrature points of the local elements, and of those that grow.
+    edge_radius
+        Radius of the upper end in µm, a constant of the forms.
     """
 
     def __init__(self, discretisation: Discretisation, comm: Any, order: int) -> None:
         self.discretisation = discretisation
         self.mesh = mesh = dx.interval_mesh(comm, discretisation.nodes)
-        elements = np.arange(len(dx.element_vertices(mesh)), dtype=np.int32)
+        self._number = np.searchsorted(discretisation.nodes, mesh.geometry.x[:, 0])
+        self._elements = np.arange(len(dx.element_vertices(mesh)), dtype=np.int32)
         # As many Gauss points as the order, which avoids locking.
-        self.points = QuadraturePoints(mesh, elements, degree=2 * order - 1)
+        self._degree = 2 * order - 1
+        self.points = QuadraturePoints(mesh, self._elements, self._degree)
         self._grows = self.points.inside(discretisation.growing)
         self.growing_points = self.points.at(self._grows)
+        self._meridian, self._dofs = self.points.function(3)
+        self.edge_radius = self.constant(0.0)
+        self._set_meridian()
+
+    def move(self, discretisation: Discretisation) -> None:
+        """Move the nodes to those of another meridian, with as many elements that grow alike."""
+        self.discretisation = discretisation
+        self.mesh.geometry.x[:, 0] = discretisation.nodes[self._number]
+        self.points = QuadraturePoints(self.mesh, self._elements, self._degree)
+        self.growing_points = self.points.at(self._grows)
+        self._set_meridian()
 
     def meridian(self) -> tuple[Any, Any, Any]:
         """Return radius, angle and curvature `R, Φ, Φ'` at the quadrature points, in UFL."""
+        return self._meridian[0], self._meridian[1], self._meridian[2]
+
+    def _set_meridian(self) -> None:
         curve, S = self.discretisation.curve, self.points.S
-        function, dofs = self.points.function(3)
         values = np.stack([curve.radius(S), curve.angle(S), curve.curvature(S)], axis=-1)
-        function.x.array[dofs] = values.reshape(len(S), -1)
-        return function[0], function[1], function[2]
+        self._meridian.x.array[self._dofs] = values.reshape(len(S), -1)
+        self.edge_radius.value = np.float64(curve.radius(np.array([curve.length]))[0])
 
     def measure(self) -> Any:
         """Return the UFL measure `dS`, with subdomains `ELASTIC` and `GROWING`."""
@@ -57,16 +73,6 @@ class Reference:
     def constant(self, value: float) -> Any:
         """Return a constant of the forms."""
         return dx.fem.Constant(self.mesh, np.float64(value))
-
-    def coefficient(self, value: Parameter) -> Any:
-        """Return a number as a constant, a function of arc length as a quadrature function."""
-        if isinstance(value, tuple):
-            raise TypeError("only parameters of a growth law can be weights")
-        if not callable(value):
-            return self.constant(value)
-        function, dofs = self.points.function(1)
-        function.x.array[dofs] = value(self.points.S)
-        return function[0]
 
     def constrain_ends(self, space: Any, bending: bool) -> tuple[list[Any], NDArray[np.int32]]:
         """Return the conditions at poles and supports, all homogeneous, and their local DOFs."""

@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry import Array
 from .hyperelasticity import Material, scaled
 from .laws import Law, Parameter
-from .reference import Reference
+from .parameters import Parameters, values_of
 
 # Keeps the pivots of the shear force off zero; beyond it V/V0 agrees with γ = 0 to 10 digits.
 _LARGEST_PENALTY = 1e8
@@ -73,9 +73,6 @@ class Section:
 
     Attributes
     ----------
-    xi
-        Distances ξ of the integration points from the mid-surface in µm, outward positive,
-        outside the zones of the wall, shape ``(points,)``.
     distances, weights, compliance
         In UFL: ξ of each integration point, its weight times `h/2`, and `1/(κ μ h)`.
     rotation, shear_force
@@ -83,7 +80,6 @@ class Section:
     """
 
     material: Material
-    xi: Array
     distances: list[Any]
     weights: list[Any]
     compliance: Any
@@ -92,33 +88,60 @@ class Section:
 
     @classmethod
     def of(
-        cls,
-        wall: WallProperties,
-        approximation: Approximation,
-        reference: Reference,
-        rotation: float,
+        cls, wall: WallProperties, approximation: Approximation, parameters: Parameters
     ) -> Section:
-        """Return the section of a wall, whose rotation has a unit in rad."""
-        h, mu = wall.thickness, wall.shear_modulus
-        points = approximation.thickness_points if wall.bending else 1
-        zeta, weights = np.polynomial.legendre.leggauss(points)
-        thickness = reference.constant(h)
-        penalty = min(approximation.shear_penalty, _LARGEST_PENALTY)
-        compliance = reference.constant(1 / (penalty * mu * h))
-        psi = wall.energy.on(reference.coefficient)
+        """Return the section of a wall, with the parameters named in `section_values`."""
+        zeta, weights = _rule(wall, approximation)
+        thickness, compliance = parameters["thickness"], parameters["compliance"]
+        psi = parameters.of(wall.energy, "energy")
         if wall.thickness_ratio is not None:
-            ratio = reference.coefficient(wall.thickness_ratio)
+            ratio = parameters["thickness_ratio"]
             thickness, compliance = thickness * ratio, compliance / ratio
         if wall.modulus_ratio is not None:
-            ratio = reference.coefficient(wall.modulus_ratio)
+            ratio = parameters["modulus_ratio"]
             psi, compliance = scaled(psi, ratio), compliance / ratio
-        thinning = None if wall.thinning is None else wall.thinning.on(reference.coefficient)
+        thinning = None if wall.thinning is None else parameters.of(wall.thinning, "thinning")
         return cls(
             material=Material(psi, wall.energy_per_grown_volume, thinning),
-            xi=zeta * h / 2,
             distances=[float(z) * thickness / 2 for z in zeta],
             weights=[float(weight) * thickness / 2 for weight in weights],
             compliance=compliance,
-            rotation=reference.constant(rotation),
-            shear_force=reference.constant(mu * h * rotation / _MEMBRANE_STIFFNESS),
+            rotation=parameters["rotation"],
+            shear_force=parameters["shear_force"],
         )
+
+
+def section_values(
+    wall: WallProperties, approximation: Approximation, rotation: float
+) -> dict[str, Parameter]:
+    """Return the parameters of the section of a wall, whose rotation has a unit in rad."""
+    h, mu = wall.thickness, wall.shear_modulus
+    penalty = min(approximation.shear_penalty, _LARGEST_PENALTY)
+    values: dict[str, Parameter] = {
+        "thickness": h,
+        "compliance": 1 / (penalty * mu * h),
+        "rotation": rotation,
+        "shear_force": mu * h * rotation / _MEMBRANE_STIFFNESS,
+    }
+    if wall.energy.weights:
+        raise TypeError("only parameters of a growth law can be weights")
+    values |= values_of(wall.energy, "energy") | values_of(wall.thinning, "thinning")
+    if wall.thickness_ratio is not None:
+        values["thickness_ratio"] = wall.thickness_ratio
+    if wall.modulus_ratio is not None:
+        values["modulus_ratio"] = wall.modulus_ratio
+    return values
+
+
+def distances(wall: WallProperties, approximation: Approximation) -> Array:
+    """Return the distances ξ of the integration points from the mid-surface in µm.
+
+    They are positive outward, and those outside the zones of the wall; shape ``(points,)``.
+    """
+    return _rule(wall, approximation)[0] * wall.thickness / 2
+
+
+def _rule(wall: WallProperties, approximation: Approximation) -> tuple[Array, Array]:
+    """Return points and weights of Gauss' rule through the thickness; a membrane has one point."""
+    points = approximation.thickness_points if wall.bending else 1
+    return np.polynomial.legendre.leggauss(points)

@@ -1,9 +1,12 @@
 """One discretised wall: its unknowns, growth strains, loads and forms."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+import ufl
 
 from .. import _dolfinx as dx
 from ..geometry import Array, Discretisation
@@ -11,12 +14,14 @@ from . import kinematics
 from .circumferential import SecondVariation
 from .deformation import Deformation
 from .forms import Forms
+from .growth_laws import WallPoint
 from .growth_state import GrowthState
 from .growth_weights import WeightField
 from .laws import Law, Parameter
 from .loads import NodalForce
+from .parameters import Parameters, values_of
 from .reference import Reference
-from .section import Approximation, Section, WallProperties
+from .section import Approximation, Section, WallProperties, distances, section_values
 
 _NO_VOLUME = 1e-9  # in parts of a hemisphere's
 _RADIUS = 2.5  # µm, of a wall whose rotation has the unit 1 rad
@@ -91,23 +96,19 @@ class Shell:
         approximation: Approximation,
         comm: Any,
     ) -> None:
-        self.discretisation = discretisation
         self._order = approximation.order
         self._reference = reference = Reference(discretisation, comm, approximation.order)
         self.mesh, self.comm = reference.mesh, reference.mesh.comm
-        self.points, self.growing_points = reference.points, reference.growing_points
-        self.bending, h = wall.bending, wall.thickness
-        self.thickness = h
-        self.membrane_stiffness = 3 * wall.shear_modulus * h
+        self.bending = wall.bending
         space = dx.shell_space if wall.bending else dx.membrane_space
         self.space = space(self.mesh, approximation.order)
         self.w = dx.fem.Function(self.space)
         self.pressure = reference.constant(0.0)
-        self.radius = self._largest_radius()
-        self.rotation = _RADIUS / self.radius
         meridian = reference.meridian()
-        section = Section.of(wall, approximation, reference, self.rotation)
-        self.material, self.xi = section.material, section.xi
+        values = self._describe(wall, approximation)
+        self._parameters = parameters = Parameters(self.mesh, reference.points, values)
+        section = Section.of(wall, approximation, parameters)
+        self.material = section.material
         self.conditions, self.constrained = reference.constrain_ends(self.space, wall.bending)
         if wall.bending:
             deformation = Deformation.of_shell(meridian, self.w, section)
@@ -117,12 +118,48 @@ class Shell:
         law = wall.growth_law
         self.growth = None if law is None else self._growth_state(law, deformation)
         self.forms = Forms(reference, section, self.w, deformation, self.pressure, self.growth)
-        loaded = discretisation.loaded
-        self.force = None if loaded is None else NodalForce(self.w, self.comm, loaded, h)
+        self._place()
+
+    def reset(
+        self, discretisation: Discretisation, wall: WallProperties, approximation: Approximation
+    ) -> None:
+        """Become the unloaded shell of another wall that has the same `structure`.
+
+        No form is compiled: nodes are moved and values are set, so that all numbers are those of
+        a new shell, to the last bit.
+        """
+        self._reference.move(discretisation)
+        self._parameters.set(self._describe(wall, approximation), self._reference.points)
+        self.w.x.array[:] = 0
+        self.pressure.value = np.float64(0)
+        if self.growth is not None and wall.growth_law is not None:
+            self.growth.reset(self.growing_points, [*wall.growth_law.weights.values()])
+        self._place()
+
+    def _describe(self, wall: WallProperties, approximation: Approximation) -> dict[str, Parameter]:
+        """Take over the sizes of a wall; return the parameters of its forms."""
+        reference = self._reference
+        self.discretisation = reference.discretisation
+        self.points, self.growing_points = reference.points, reference.growing_points
+        self.thickness = wall.thickness
+        self.membrane_stiffness = 3 * wall.shear_modulus * wall.thickness
+        self.radius = self._largest_radius()
+        self.rotation = _RADIUS / self.radius
+        self.xi = distances(wall, approximation)
+        values = section_values(wall, approximation, self.rotation)
+        return values | values_of(wall.growth_law, "growth")
+
+    def _place(self) -> None:
+        """Find the loaded node, and the volume of the unloaded wall."""
+        loaded = self.discretisation.loaded
+        self.force = None
+        if loaded is not None:
+            self.force = NodalForce(self.w, self.comm, loaded, self.thickness)
         self.reference_volume = self._reference_volume()
 
+    @cached_property
     def second_variation(self) -> SecondVariation:
-        """Compile the second variation for perturbations with waves around the axis."""
+        """The second variation for perturbations with waves around the axis, compiled once."""
         return SecondVariation(
             self._reference,
             self._section,
@@ -132,18 +169,33 @@ class Shell:
             self._order,
         )
 
+    @cached_property
+    def point_fields(self) -> Callable[[], Array]:
+        """Evaluates strains, Cauchy stresses and growth strains at this rank's points.
+
+        For each through-thickness integration point there are the meridional and hoop components
+        of the three; shape ``(elements, points n 3 2)``.
+        """
+        values: list[Any] = []
+        for j, eps in enumerate(self.eps):
+            eps_g = ufl.as_vector([0, 0]) if self.growth is None else self.growth.strain(j)
+            tau = self.material.stress(eps, eps_g)
+            eps_3 = self.material.thickness_strain(eps, eps_g)
+            sigma = tau / WallPoint(tau, eps, eps_g, eps_3).J
+            values += [vector[i] for vector in (eps, sigma, eps_g) for i in range(2)]
+        return self.points.at(self.points.owned).compile(values)
+
     def _growth_state(self, law: Law, deformation: Deformation) -> GrowthState:
-        fields: list[WeightField] = []
-
-        def coefficient(value: Parameter) -> Any:
-            if not isinstance(value, tuple):
-                return self._reference.coefficient(value)
-            stretch = kinematics.stretch(deformation.strain[0])
-            fields.append(WeightField(self.growing_points, stretch, value))
-            return fields[-1].function
-
-        rate = law.on(coefficient)
-        return GrowthState(self.growing_points, deformation.eps, self.material, rate, fields)
+        stretch = kinematics.stretch(deformation.strain[0])
+        fields = {
+            name: WeightField(self.growing_points, stretch, weights)
+            for name, weights in law.weights.items()
+        }
+        weights = {name: field.function for name, field in fields.items()}
+        rate = self._parameters.of(law, "growth", **weights)
+        return GrowthState(
+            self.growing_points, deformation.eps, self.material, rate, [*fields.values()]
+        )
 
     def _largest_radius(self) -> float:
         curve = self.discretisation.curve

@@ -30,7 +30,7 @@ from .folder import OutputFolder
 from .interrupts import Interrupts
 
 if TYPE_CHECKING:
-    from ..simulation import Checkpoint, ResumePoint
+    from ..simulation import Checkpoint, ResumePoint, ShellPool
     from .restart import EarlierRun
 
 
@@ -87,6 +87,8 @@ class Job:
         `time.perf_counter()` when the command began, for the total time.
     resume
         Whether to resume the run in the directory, if it has a checkpoint.
+    shells
+        Lends the shell of the run to it; by default it is built for this run.
 
     Attributes
     ----------
@@ -115,10 +117,11 @@ class Job:
         comm: Any = None,
         began: float | None = None,
         resume: bool = False,
+        shells: ShellPool | None = None,
     ) -> None:
         self.path, self.scene, self.comm = path, scene, comm
         self.ended: Result | None = None
-        self._screen, self._resume = screen, resume
+        self._screen, self._resume, self._shells = screen, resume, shells
         self._began = perf_counter() if began is None else began
         self._stack = ExitStack()
         self._folder: OutputFolder | None = None
@@ -278,8 +281,9 @@ class Job:
         watching = (self._folder, self._screen, self.interrupts) if self.comm.rank == 0 else ()
         observers = Observers([each for each in watching if each is not None])
         result = simulate(
-            self.scene, observer=observers, comm=self.comm, start=self._start, keep=self._keep
-        )
+            self.scene, observer=observers, comm=self.comm, start=self._start, keep=self._keep,
+            shells=self._shells,
+        )  # fmt: skip
         self._simulated = True
         status, message = self.comm.bcast((result.status, result.message))
         if status == "failed" and self.interrupts.acted:  # an error that PETSc made of it

@@ -28,14 +28,15 @@ if TYPE_CHECKING:
     from .buckling import buckling_modes
     from .build import build_shell
     from .checkpoint import Checkpoint, CheckpointError, ResumePoint
+    from .shell_pool import ShellPool
     from .simulation import Simulation, simulate
 
 __all__ = [
     "ANSWERS", "COLUMNS", "EXIT_STATUS", "Bifurcation", "BucklingMode", "Checkpoint",
     "CheckpointError", "Digest", "ErrorBars", "ErrorEstimate", "History", "Observer",
     "Observers", "Profile", "Profiles", "Result", "ResumePoint", "RootError", "Row",
-    "Simulation", "Status", "Timings", "buckling_modes", "build_shell", "discretise", "on_root",
-    "pieces", "simulate",
+    "ShellPool", "Simulation", "Status", "Timings", "buckling_modes", "build_shell", "discretise",
+    "on_root", "pieces", "simulate",
 ]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.
@@ -45,6 +46,7 @@ _LATE = {
     "CheckpointError": "checkpoint",
     "Simulation": "simulation",
     "ResumePoint": "checkpoint",
+    "ShellPool": "shell_pool",
     "build_shell": "build",
     "simulate": "simulation",
 }

@@ -39,7 +39,7 @@ def buckling_modes(scene: Scene, waves: Sequence[int]) -> Iterator[BucklingMode]
     wall = scene.with_values(changes)
     shell = build_shell(wall, dx.MPI.COMM_SELF)
     tolerance = residual_tolerance(wall, len(shell.discretisation.nodes))
-    variation = shell.second_variation() if any(n > 0 for n in waves) else None
+    variation = shell.second_variation if any(n > 0 for n in waves) else None
     with Equilibrium(shell, tolerance) as equilibrium:
         stiffness = {n: _matrix(shell, variation, n) for n in waves}
         shell.pressure.value = pressure

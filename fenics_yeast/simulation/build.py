@@ -165,9 +165,23 @@ def build_shell(
     if scene.growth is None and growth_law is not None:
         raise ValueError("a growth law needs a scene with a table [growth] that gives its zone")
     mesh = discretise(scene)
-    material, numerics = scene.wall, scene.numerics
+    wall = wall_of(scene, mesh, energy, growth_law)
+    comm = dx.MPI.COMM_WORLD if comm is None else comm
+    shell = Shell(mesh, wall, approximation_of(scene), comm)
+    set_force(scene, shell)
+    return shell
+
+
+def wall_of(
+    scene: Scene,
+    mesh: Discretisation,
+    energy: OwnLaw | None = None,
+    growth_law: OwnLaw | None = None,
+) -> WallProperties:
+    """Return what the wall of a scene is made of, on a mesh; see `build_shell`."""
+    material = scene.wall
     own = own_growth_law(growth_law) if growth_law else None
-    wall = WallProperties(
+    return WallProperties(
         thickness=material.thickness,
         shear_modulus=material.shear_modulus,
         energy=own_energy(energy) if energy else strain_energy(material),
@@ -178,11 +192,18 @@ def build_shell(
         thinning=thinning(material),
         bending=material.bending,
     )
-    approximation = Approximation(numerics.order, numerics.thickness_points, numerics.shear_penalty)
-    shell = Shell(mesh, wall, approximation, dx.MPI.COMM_WORLD if comm is None else comm)
+
+
+def approximation_of(scene: Scene) -> Approximation:
+    """Return how the wall of a scene is approximated."""
+    numerics = scene.numerics
+    return Approximation(numerics.order, numerics.thickness_points, numerics.shear_penalty)
+
+
+def set_force(scene: Scene, shell: Shell) -> None:
+    """Set the force of a scene on its shell."""
     if shell.force is not None and scene.axial_load is not None:
         shell.force.value = scene.axial_load.force
-    return shell
 
 
 def turgor(scene: Scene) -> Callable[[float], float]:

@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-import ufl
 
 from .. import _dolfinx as dx
 from ..geometry import NEAR, Array, edges
-from ..mechanics import Order, Shell, WallPoint
+from ..mechanics import Order, Shell
 from .contact import touches_itself
 from .profiles import Profile
 
@@ -49,23 +48,10 @@ class Measurements:
             (self._R[edge], self._dofs[edge, 0], 1),
         ]
         self._w = shell.w.x.array
-        points = shell.points.at(shell.points.owned)
-        self._S_points = points.S.ravel()
+        self._S_points = shell.points.at(shell.points.owned).S.ravel()
         self._points = Order(shell.comm, self._S_points)
         self._weights = np.polynomial.legendre.leggauss(len(shell.eps))[1]
-        self._fields = points.compile(self._point_fields())
-
-    def _point_fields(self) -> list[object]:
-        """Return strains, Cauchy stresses and growth strains at each integration point."""
-        values: list[object] = []
-        for j, eps in enumerate(self._shell.eps):
-            growth = self._shell.growth
-            eps_g = ufl.as_vector([0, 0]) if growth is None else growth.strain(j)
-            material = self._shell.material
-            tau, eps_3 = material.stress(eps, eps_g), material.thickness_strain(eps, eps_g)
-            sigma = tau / WallPoint(tau, eps, eps_g, eps_3).J
-            values += [vector[i] for vector in (eps, sigma, eps_g) for i in range(2)]
-        return values
+        self._fields = shell.point_fields
 
     def sizes(self) -> Sizes:
         """Return the sizes of the wall in the trial state; 0 for those that it lacks."""

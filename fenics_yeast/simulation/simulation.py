@@ -23,6 +23,7 @@ from .ranks import OtherRanks, RootError
 from .recorder import Recorder
 from .result import Bifurcation, ErrorEstimate, Observer, Result, Timings
 from .scales import residual_tolerance
+from .shell_pool import ShellPool
 from .static import Static
 from .transient import Transient
 
@@ -53,6 +54,8 @@ class Simulation:
     keep
         Called with a checkpoint of the last step every few seconds and at the end, on rank 0
         only; must be given on all ranks.
+    shells
+        Lends the shell; without it, and for laws of your own, a new one is built.
 
     Raises
     ------
@@ -72,11 +75,20 @@ class Simulation:
         state: Profile | None = None,
         start: ResumePoint | None = None,
         keep: Callable[[Checkpoint], None] | None = None,
+        shells: ShellPool | None = None,
     ) -> None:
         self._began = perf_counter()
         scene = scene if isinstance(scene, Scene) else Scene.load(scene)
         self._scene = scene
-        self._shell = shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
+        self._resources = resources = ExitStack()
+        own = energy is not None or growth_law is not None
+        if shells is None or own:
+            shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
+        else:
+            shell = shells.borrow(scene, comm)
+            resources.callback(shells.give_back, shell)
+        self._shell, self._zones = shell, shell.discretisation.zones
+        self._dofs = dx.size_of(shell.space)
         self._recorder = recorder = Recorder(shell)
         observers = [] if observer is None else [observer]
         observers += [] if callback is None else [RowCallback(callback)]
@@ -85,7 +97,6 @@ class Simulation:
             set_initial_state(shell, state)
         compiled = perf_counter()
         tolerance = residual_tolerance(scene, len(shell.discretisation.nodes))
-        self._resources = resources = ExitStack()
         self._others = resources.enter_context(OtherRanks(shell.comm))
         self._driver: Transient | Static
         if scene.path is not None:
@@ -165,11 +176,11 @@ class Simulation:
         estimate = self._driver.estimate_error()
         return Result(
             history=History(rows),
-            profiles=Profiles(tuple(recorder.profiles), self._shell.discretisation.zones),
+            profiles=Profiles(tuple(recorder.profiles), self._zones),
             status=status,
             message=message + ("" if status == "failed" else note),
             end_time=self._time if outcome.time is None else outcome.time,
-            dofs=dx.size_of(self._shell.space),
+            dofs=self._dofs,
             steps=max(0, len(rows) - 1),
             rejected_steps=recorder.rejected,
             newton_iterations=recorder.iterations,
@@ -277,6 +288,7 @@ def simulate(
     state: Profile | None = None,
     start: ResumePoint | None = None,
     keep: Callable[[Checkpoint], None] | None = None,
+    shells: ShellPool | None = None,
 ) -> Result:
     """Run a scene from start to end.
 
@@ -300,9 +312,9 @@ def simulate(
     state
         The wall at time 0, in place of the unloaded one: a profile of a run on the same nodes,
         or of a whole cell of which the scene is a piece (see `simulation.pieces`).
-    start, keep
-        State from which to resume an earlier run, and a function called with checkpoints, as in
-        `Simulation`.
+    start, keep, shells
+        State from which to resume an earlier run, a function called with checkpoints, and what
+        lends shells to many runs, as in `Simulation`.
 
     Returns
     -------
@@ -319,6 +331,7 @@ def simulate(
         state=state,
         start=start,
         keep=keep,
+        shells=shells,
     ) as simulation:
         try:
             for _ in simulation:

@@ -19,7 +19,7 @@ class WaveModes:
     """
 
     def __init__(self, shell: Shell) -> None:
-        self.variation = variation = shell.second_variation()
+        self.variation = variation = shell.second_variation
         self._inertia = Inertia(variation.form, variation.space, shell.comm)
         self._samples: list[Any] = []
 

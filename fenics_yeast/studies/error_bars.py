@@ -14,7 +14,7 @@ import numpy as np
 
 from ..geometry import Array
 from ..scene import Scene
-from ..simulation import ErrorBars, Observer, Result, simulate
+from ..simulation import ErrorBars, Observer, Result, ShellPool, simulate
 from ..solve import TABLEAUX
 
 Part = Literal["time_steps", "mesh", "thickness_points", "shear_penalty"]
@@ -67,16 +67,17 @@ def estimate_error_bars(
     own = _volumes(result, times)
     parts = {part: np.zeros(len(times)) for part in get_args(Part)}
     remarks = [] if times else [_UNREACHED if scene.path is None else _PATH]
-    for refinement in refinements(scene) if times else ():
-        if announce is not None:
-            announce(refinement.part)
-        finer_scene = _until(scene, times).with_values(refinement.changes)
-        finer = simulate(finer_scene, observer=observer, comm=comm)
-        if finer.status == "interrupted":
-            raise KeyboardInterrupt
-        if finer.status != "finished":
-            remarks.append(f"{refinement.part.replace('_', ' ')} refined: {finer.message}")
-        parts[refinement.part] = refinement.scale * np.abs(_volumes(finer, times) - own)
+    with ShellPool() as shells:
+        for refinement in refinements(scene) if times else ():
+            if announce is not None:
+                announce(refinement.part)
+            finer_scene = _until(scene, times).with_values(refinement.changes)
+            finer = simulate(finer_scene, observer=observer, comm=comm, shells=shells)
+            if finer.status == "interrupted":
+                raise KeyboardInterrupt
+            if finer.status != "finished":
+                remarks.append(f"{refinement.part.replace('_', ' ')} refined: {finer.message}")
+            parts[refinement.part] = refinement.scale * np.abs(_volumes(finer, times) - own)
     return ErrorBars(np.array(times), **parts, message="; ".join(remarks))
 
 

@@ -12,17 +12,21 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
+from functools import cache
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Event, Lock, Thread
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ..output import SIGNALS, DolfinxMissing, FolderLock, Job, OutputError, RunLost, writing
 from ..scene import SceneError
 from ..simulation import Result, on_root
 from .cases import Case
 from .table import TABLE, CaseRow, finished_row, is_unfinished, read_table, row_of, write_table
+
+if TYPE_CHECKING:
+    from ..simulation import ShellPool
 
 # One of each per worker process.
 _STOP = Event()  # its case ends after the current step
@@ -170,13 +174,23 @@ class _UntilStopped:
         return
 
 
+@cache
+def _shells() -> ShellPool:
+    """Return the shells that all cases of this process share."""
+    from ..simulation import ShellPool
+
+    return ShellPool()
+
+
 def _work(directory: Path, case: Case) -> str:
     """Run or resume a case; return a message that its directory lacks."""
     from mpi4py import MPI
 
     def run(resume: bool) -> Result:
         place, screen, alone = directory / case.name, _UntilStopped(), MPI.COMM_SELF
-        with Job(place, case.scene, screen=screen, comm=alone, resume=resume) as job:
+        with Job(
+            place, case.scene, screen=screen, comm=alone, resume=resume, shells=_shells()
+        ) as job:
             result = job.run()
             job.complete(result)
             return result

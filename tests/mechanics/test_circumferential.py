@@ -146,7 +146,7 @@ def growth_at(shell, S, j):
 @pytest.mark.parametrize("waves", [1, 2, 5])
 def test_second_variation_is_that_of_the_perturbed_surface(shell, waves):
     """By Cauchy's formula on a circle of complex amplitudes, without differences."""
-    variation = shell.second_variation()
+    variation = shell.second_variation
     variation.waves.value = waves
     matrix = dx.create_matrix(variation.form)
     dx.assemble_matrix(matrix, variation.form, [])
@@ -182,7 +182,7 @@ def test_pressure_does_the_work_of_the_enclosed_volume(waves):
     r, z = profile(S)[:2]
     shell.w.x.array[dofs[:, 0]] = r - curve.radius(S)
     shell.w.x.array[dofs[:, 1]] = z - curve.height(S)
-    variation = shell.second_variation()
+    variation = shell.second_variation
     variation.waves.value = waves
     S, dofs = dx.node_dofs(variation.space)
     matrix, v, K = dx.create_matrix(variation.form), [], []
@@ -235,7 +235,7 @@ def test_without_waves_it_is_the_axisymmetric_second_variation(cell):
     shell = build_shell(scene)
     with Equilibrium(shell, 1e-9) as equilibrium:
         equilibrium.solve()
-    variation = shell.second_variation()
+    variation = shell.second_variation
     variation.waves.value = 0
     length = scene.cell.curve.length
     values = []
