@@ -66,7 +66,7 @@ class QuadraturePoints:
         """Compile UFL scalars; return what evaluates them, shape ``(elements, points values)``."""
         places = dx.quadrature_points(self.degree)
         expression = dx.compile_expression(ufl.as_vector(list(values)), places)
-        return lambda: dx.evaluate(expression, self.mesh, self.elements)
+        return dx.evaluator(expression, self.mesh, self.elements)
 
 
 class EvaluatedFunction:

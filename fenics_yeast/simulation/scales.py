@@ -4,6 +4,8 @@ from ..scene import PressureTable, Scene
 
 _ROUND_OFF = 1e-12  # of the nodal forces, for those that would double the wall's length
 _LEAST = 2e-9  # relative residual; smaller ones are lost in round-off where growth is large
+# Relative residual: a part of the tolerance, but no larger than steps of growth can bear.
+_PART, _MOST = 0.2, 5e-5
 
 
 def pressure_scale(scene: Scene) -> float:
@@ -34,7 +36,7 @@ def _precision(scene: Scene) -> float:
     """Return the relative residual that counts as zero, below the errors of adaptive steps."""
     numerics = scene.numerics
     fixed = numerics.step is not None or scene.growth is None
-    return 1e-8 if fixed else max(_LEAST, min(1e-5, 0.05 * numerics.tolerance))
+    return 1e-8 if fixed else max(_LEAST, min(_MOST, _PART * numerics.tolerance))
 
 
 def _load(scene: Scene, nodes: int) -> float:

@@ -10,7 +10,7 @@ from ..geometry import Array
 Solution = tuple[float, Array]
 """Parameter (time in min, or length along a path) and the solution there."""
 
-_MOST_SOLUTIONS = 5
+_MOST_SOLUTIONS = 3
 
 
 def extrapolate(solutions: Sequence[Solution], at: float) -> Array:
@@ -26,7 +26,7 @@ def extrapolate(solutions: Sequence[Solution], at: float) -> Array:
 
 
 class Predictor:
-    """Initial guess of Newton's method in time, from the last five solutions.
+    """Initial guess of Newton's method in time, from the last three solutions.
 
     Parameters
     ----------

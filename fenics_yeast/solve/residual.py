@@ -40,6 +40,7 @@ class Equations:
         self.matrix = dx.create_matrix(shell.forms.tangent)
         self._assembled = dx.fem.Function(shell.space)
         self._b, self._w = self._assembled.x.array, shell.w.x.array
+        self._shared = shell.comm.size > 1
         dofmap = shell.space.dofmap
         self.owned = dofmap.index_map.size_local * dofmap.index_map_bs
         self._constrained = shell.constrained[shell.constrained < self.owned]
@@ -56,7 +57,8 @@ class Equations:
     def set_trial(self, values: Any) -> bool:
         """Set the trial state from the owned DOFs; return False if growth cannot follow."""
         self._w[: self.owned] = values
-        self.shell.w.x.scatter_forward()
+        if self._shared:
+            self.shell.w.x.scatter_forward()
         growth = self._following()
         return growth is None or growth.update()
 
@@ -92,8 +94,9 @@ class Equations:
     def assemble(self, form: Any, out: Any) -> None:
         """Assemble a linear form for the owned DOFs; zero for constrained ones."""
         self._b[:] = 0
-        dx.fem.assemble_vector(self._b, form)
-        dx.accumulate(self._assembled)
+        dx.assemble_vector(self._b, form)
+        if self._shared:
+            dx.accumulate(self._assembled)
         out[:] = self._b[: self.owned]
         if form is self.shell.forms.residual and self.shell.force is not None:
             self.shell.force.add_to(out)

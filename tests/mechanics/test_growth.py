@@ -26,7 +26,7 @@ def law(one_element):
 
     def evaluate(tau_value, eps_value=(0, 0), eps_g_value=(0, 0)):
         tau.value[:], eps.value[:], eps_g.value[:] = tau_value, eps_value, eps_g_value
-        *rates, dissipation = dx.evaluate(expression, one_element, ELEMENT)[0]
+        *rates, dissipation = dx.evaluator(expression, one_element, ELEMENT)()[0]
         return np.array(rates), dissipation
 
     return evaluate

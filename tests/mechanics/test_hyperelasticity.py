@@ -24,7 +24,7 @@ def principal(one_element):
 
     def evaluate(eps_e, mu_value, alpha_value):
         strain.value[:], mu.value, alpha.value = eps_e, mu_value, alpha_value
-        psi, *tau = dx.evaluate(expression, one_element, np.array([0], dtype=np.int32))[0]
+        psi, *tau = dx.evaluator(expression, one_element, np.array([0], dtype=np.int32))()[0]
         return psi, np.array(tau)
 
     return evaluate

@@ -16,9 +16,18 @@ from fenics_yeast.simulation import Result, ShellPool
 BUD = Scene.from_toml(scenes.SMALL)
 HYPHA = BUD.with_values({"growth.polarity": {"width": 1.0, "follow": "tip"}})
 CAP = Scene.from_toml("""
-cell = { shape = "cone", outer_diameter = 6, inner_diameter = 2, height = 1, edge = "hinged", inner_edge = "free" }
-wall = { thickness = 0.2, shear_modulus = 40 }
-turgor = { pressure = 0.05 }
+[cell]
+shape = "cone"
+outer_diameter = 6
+inner_diameter = 2
+height = 1
+edge = "hinged"
+inner_edge = "free"
+[wall]
+thickness = 0.2
+shear_modulus = 40
+[turgor]
+pressure = 0.05
 """)
 INDENTED = Scene.from_toml("""
 cell = { shape = "sphere", diameter = 5 }

@@ -1,61 +1,14 @@
-"""Differences between versions of dolfinx, detected by feature; only this module knows them.
+"""Meshes of the meridian, function spaces on them, and where their DOFs are."""
 
-Known to run: dolfinx 0.5 (Debian 12), 0.9 (Debian 13) and 0.11 (PyPI).
-"""
-
-import contextlib
-import logging
-from collections.abc import Callable, Iterator, Sequence
-from inspect import signature
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import ufl
 from numpy.typing import NDArray
-from ufl.corealg.map_dag import map_expr_dag
-from ufl.corealg.multifunction import MultiFunction
-from ufl.variable import Label
 
-with contextlib.suppress(ImportError):  # the wheel from PyPI must load its libraries first
-    import dolfinx_solver  # noqa: F401
-
-try:
-    import basix
-    import petsc4py
-
-    petsc4py.init(["-no_signal_handler"])  # the command handles closed pipes and Ctrl-C
-    import dolfinx.fem.petsc
-    import dolfinx.mesh
-    from dolfinx import fem as fem
-    from dolfinx import jit, la
-    from mpi4py import MPI as MPI
-    from petsc4py import PETSc as PETSc
-except ImportError as error:
-    raise ImportError(
-        f"dolfinx cannot be imported ({error}); on Debian run: sudo apt install python3-dolfinx; "
-        "then use /usr/bin/python3, or a virtual environment of it with --system-site-packages; "
-        "elsewhere, with Python 3.12 or later, run: pip install dolfinx-solver-real"
-    ) from error
-
-try:
-    import basix.ufl as basix_ufl
-except ImportError:  # dolfinx 0.5 describes elements in ufl
-    basix_ufl = None
-
-from . import _form_cache
-from .geometry import NEAR
-
-_ADD = (la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add
-_NEW_SPACES = hasattr(fem, "functionspace")
-_NEW_JIT = "jit_options" in signature(fem.form).parameters
-_EVAL_ON_MESH = "mesh" in signature(fem.Expression.eval).parameters
-_JIT = {"cffi_extra_compile_args": ["-O2", "-fno-math-errno"], "cffi_libraries": ["m"]}
-_JIT_KEYWORD = "jit_options" if _NEW_JIT else "jit_params"
-# fem.form adds these options, which are part of a form's name in the cache.
-_SCALAR = {"scalar_type": dolfinx.default_scalar_type} if _NEW_JIT else {}
-_COMPILERS = ("cffi", "distutils", "setuptools")  # their errors concern the compiler, not the form
-
-T = TypeVar("T")
+from ..geometry import NEAR
+from .compile import compiled
+from .versions import NEW_SPACES, basix, basix_ufl, dolfinx, fem
 
 
 def interval_mesh(comm: Any, nodes: NDArray[np.float64]) -> Any:
@@ -74,9 +27,9 @@ def interval_mesh(comm: Any, nodes: NDArray[np.float64]) -> Any:
 
 
 def _space(mesh: Any, element: Any) -> Any:
-    if _NEW_SPACES:
+    if NEW_SPACES:
         return fem.functionspace(mesh, element)
-    return _compiled(mesh.comm, element, lambda **jit: fem.FunctionSpace(mesh, element, **jit))
+    return compiled(mesh.comm, element, lambda **jit: fem.FunctionSpace(mesh, element, **jit))
 
 
 def shell_space(mesh: Any, order: int) -> Any:
@@ -236,81 +189,6 @@ def quadrature_points(degree: int) -> NDArray[np.float64]:
     return np.asarray(points)
 
 
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Suppress the compiler's own lines; it sets the root logger to show them."""
-    root = logging.getLogger()
-    level, disabled = root.level, root.manager.disable
-    logging.disable(max(disabled, logging.INFO))
-    try:
-        yield
-    finally:
-        root.setLevel(level)
-        logging.disable(disabled)
-
-
-def _compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
-    """Compile a source by `make`, on all ranks of a communicator."""
-    place = comm.bcast(_form_cache.folder() if comm.rank == 0 else None)
-    options = {_JIT_KEYWORD: {**_JIT, "cache_dir": place}}
-    try:
-        with _quiet():
-            if comm.size == 1:
-                with _form_cache.held(place):
-                    return make(**options)
-            # Only rank 0 compiles: the lock's owner must not wait for ranks that need the lock.
-            # An error there occurs again in `make`, on all ranks.
-            if comm.rank == 0:
-                with contextlib.suppress(Exception), _form_cache.held(place):
-                    jit.ffcx_jit(MPI.COMM_SELF, source, _SCALAR, options[_JIT_KEYWORD])
-            return make(**options)
-    except Exception as error:
-        library = type(error).__module__.partition(".")[0]
-        if library in _COMPILERS or "just-in-time compilation" in str(error):
-            raise _form_cache.compiler_error(place, error) from error
-        raise
-
-
-def compile_form(form: Any) -> Any:
-    """Compile a form."""
-    comm = form.ufl_domain().ufl_cargo().comm
-    return _compiled(comm, form, lambda **jit: fem.form(form, **jit))
-
-
-class _NumberedLabels(MultiFunction):
-    """Number the labels of variables in order of appearance.
-
-    Newer releases of UFL count them over the process and include the count in signatures, so
-    that no expression would be found in the cache.
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._numbered: dict[Any, Any] = {}
-
-    expr = MultiFunction.reuse_if_untouched
-
-    def terminal(self, o: Any) -> Any:
-        return o
-
-    def label(self, o: Any) -> Any:
-        return self._numbered.setdefault(o, Label(len(self._numbered)))
-
-
-def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
-    """Compile an expression at points of the reference interval."""
-    expression = map_expr_dag(_NumberedLabels(), expression)
-    comm = expression.ufl_domain().ufl_cargo().comm
-    make = fem.Expression
-    return _compiled(comm, (expression, points), lambda **jit: make(expression, points, **jit))
-
-
-def evaluate(expression: Any, mesh: Any, elements: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Evaluate a compiled expression point by point, shape ``(elements, points size)``."""
-    values = np.asarray(expression.eval(*([mesh] if _EVAL_ON_MESH else []), elements))
-    return values.reshape(len(elements), np.prod(values.shape[1:], dtype=int))  # or none
-
-
 def dof_array(space: Any) -> NDArray[np.int32]:
     """Return the unrolled local DOFs of each element, shape ``(elements, DOFs)``."""
     dofmap = space.dofmap
@@ -319,32 +197,3 @@ def dof_array(space: Any) -> NDArray[np.int32]:
     blocks = np.asarray(blocks).reshape(elements.size_local + elements.num_ghosts, -1)
     size = dofmap.bs
     return (blocks[:, :, None] * size + np.arange(size)).reshape(len(blocks), -1)
-
-
-def accumulate(function: Any) -> None:
-    """Add the contributions assembled into ghosts to their owners."""
-    function.x.scatter_reverse(_ADD)
-
-
-def create_matrix(form: Any) -> Any:
-    """Return a PETSc matrix with the sparsity of a compiled bilinear form."""
-    return dolfinx.fem.petsc.create_matrix(form)
-
-
-def assemble_matrix(matrix: Any, form: Any, conditions: Sequence[Any]) -> None:
-    """Assemble a compiled bilinear form; constrained rows and columns become those of 1."""
-    matrix.zeroEntries()
-    dolfinx.fem.petsc.assemble_matrix(matrix, form, conditions)
-    matrix.assemble()
-
-
-def constrain(matrix: Any, conditions: Sequence[Any]) -> None:
-    """Turn the rows and columns of homogeneous conditions into those of 1."""
-    first, last = matrix.getOwnershipRange()
-    dofs = first + np.concatenate([condition.dof_indices()[0] for condition in conditions])
-    matrix.zeroRowsColumns(dofs[dofs < last], diag=1.0)
-
-
-def assemble_scalar(form: Any, comm: Any) -> float:
-    """Assemble a compiled functional, summed over the ranks."""
-    return float(comm.allreduce(fem.assemble_scalar(form), op=MPI.SUM))

@@ -1,0 +1,72 @@
+"""Assemble compiled forms, and evaluate compiled expressions."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .versions import ADD, EVAL_ON_MESH, MPI, dolfinx, fem
+
+cpp = dolfinx.cpp.fem
+
+
+def evaluator(
+    expression: Any, mesh: Any, elements: NDArray[np.int32]
+) -> Callable[[], NDArray[np.float64]]:
+    """Return what evaluates a compiled expression, shape ``(elements, points size)``."""
+    if not EVAL_ON_MESH:  # dolfinx 0.5, without the checks of its wrapper
+        shape = len(elements), len(expression.X()) * expression.value_size
+        compiled = expression._cpp_object
+
+        def evaluate() -> NDArray[np.float64]:
+            values = np.zeros(shape)
+            compiled.eval(elements, values)
+            return values
+
+        return evaluate
+
+    def evaluate_on_mesh() -> NDArray[np.float64]:
+        values = np.asarray(expression.eval(mesh, elements))
+        return values.reshape(len(elements), np.prod(values.shape[1:], dtype=int))  # or none
+
+    return evaluate_on_mesh
+
+
+def accumulate(function: Any) -> None:
+    """Add the contributions assembled into ghosts to their owners."""
+    function.x.scatter_reverse(ADD)
+
+
+def create_matrix(form: Any) -> Any:
+    """Return a PETSc matrix with the sparsity of a compiled bilinear form."""
+    return dolfinx.fem.petsc.create_matrix(form)
+
+
+def assemble_matrix(matrix: Any, form: Any, conditions: Sequence[Any]) -> None:
+    """Assemble a compiled bilinear form; constrained rows and columns become those of 1."""
+    matrix.zeroEntries()
+    dolfinx.fem.petsc.assemble_matrix(matrix, form, conditions)
+    matrix.assemble()
+
+
+def constrain(matrix: Any, conditions: Sequence[Any]) -> None:
+    """Turn the rows and columns of homogeneous conditions into those of 1."""
+    first, last = matrix.getOwnershipRange()
+    dofs = first + np.concatenate([condition.dof_indices()[0] for condition in conditions])
+    matrix.zeroRowsColumns(dofs[dofs < last], diag=1.0)
+
+
+def assemble_vector(values: NDArray[np.float64], form: Any) -> None:
+    """Add a compiled linear form to local values, ghosts among them."""
+    if EVAL_ON_MESH:
+        fem.assemble_vector(values, form)
+    else:  # dolfinx 0.5, without the dispatch of its wrapper
+        packed = cpp.pack_constants(form), cpp.pack_coefficients(form)
+        cpp.assemble_vector(values, form, *packed)
+
+
+def assemble_scalar(form: Any, comm: Any) -> float:
+    """Assemble a compiled functional, summed over the ranks."""
+    value = float(fem.assemble_scalar(form))
+    return value if comm.size == 1 else float(comm.allreduce(value, op=MPI.SUM))

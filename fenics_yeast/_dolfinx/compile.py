@@ -1,0 +1,89 @@
+"""Compile forms and expressions, once for all processes and ranks."""
+
+import contextlib
+import logging
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from ufl.corealg.map_dag import map_expr_dag
+from ufl.corealg.multifunction import MultiFunction
+from ufl.variable import Label
+
+from .. import _form_cache
+from .versions import JIT_KEYWORD, MPI, SCALAR, fem, jit
+
+_JIT = {"cffi_extra_compile_args": ["-O2", "-fno-math-errno"], "cffi_libraries": ["m"]}
+_COMPILERS = ("cffi", "distutils", "setuptools")  # their errors concern the compiler, not the form
+
+T = TypeVar("T")
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Suppress the compiler's own lines; it sets the root logger to show them."""
+    root = logging.getLogger()
+    level, disabled = root.level, root.manager.disable
+    logging.disable(max(disabled, logging.INFO))
+    try:
+        yield
+    finally:
+        root.setLevel(level)
+        logging.disable(disabled)
+
+
+def compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
+    """Compile a source by `make`, on all ranks of a communicator."""
+    place = comm.bcast(_form_cache.folder() if comm.rank == 0 else None)
+    options = {JIT_KEYWORD: {**_JIT, "cache_dir": place}}
+    try:
+        with _quiet():
+            if comm.size == 1:
+                with _form_cache.held(place):
+                    return make(**options)
+            # Only rank 0 compiles: the lock's owner must not wait for ranks that need the lock.
+            # An error there occurs again in `make`, on all ranks.
+            if comm.rank == 0:
+                with contextlib.suppress(Exception), _form_cache.held(place):
+                    jit.ffcx_jit(MPI.COMM_SELF, source, SCALAR, options[JIT_KEYWORD])
+            return make(**options)
+    except Exception as error:
+        library = type(error).__module__.partition(".")[0]
+        if library in _COMPILERS or "just-in-time compilation" in str(error):
+            raise _form_cache.compiler_error(place, error) from error
+        raise
+
+
+def compile_form(form: Any) -> Any:
+    """Compile a form."""
+    comm = form.ufl_domain().ufl_cargo().comm
+    return compiled(comm, form, lambda **jit: fem.form(form, **jit))
+
+
+class _NumberedLabels(MultiFunction):
+    """Number the labels of variables in order of appearance.
+
+    Newer releases of UFL count them over the process and include the count in signatures, so
+    that no expression would be found in the cache.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._numbered: dict[Any, Any] = {}
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def terminal(self, o: Any) -> Any:
+        return o
+
+    def label(self, o: Any) -> Any:
+        return self._numbered.setdefault(o, Label(len(self._numbered)))
+
+
+def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
+    """Compile an expression at points of the reference interval."""
+    expression = map_expr_dag(_NumberedLabels(), expression)
+    comm = expression.ufl_domain().ufl_cargo().comm
+    make = fem.Expression
+    return compiled(comm, (expression, points), lambda **jit: make(expression, points, **jit))
