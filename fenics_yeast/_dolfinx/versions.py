@@ -13,12 +13,13 @@ try:
     import basix
     import petsc4py
 
+    from .._mpi import MPI
+
     petsc4py.init(["-no_signal_handler"])  # the command handles closed pipes and Ctrl-C
     import dolfinx.fem.petsc
     import dolfinx.mesh
     from dolfinx import fem as fem
     from dolfinx import jit, la
-    from mpi4py import MPI as MPI
     from petsc4py import PETSc as PETSc
 except ImportError as error:
     raise ImportError(

@@ -43,7 +43,7 @@ def launched() -> Any:
     if not any(name in os.environ for name in _LAUNCHED):
         return None
     try:
-        from mpi4py import MPI
+        from .._mpi import MPI
     except ImportError:
         return None
     return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None

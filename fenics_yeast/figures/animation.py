@@ -64,8 +64,8 @@ def animate(
         If dolfinx cannot be loaded.
     """
     from matplotlib.animation import FFMpegWriter
-    from mpi4py import MPI
 
+    from .._mpi import MPI
     from ..simulation import simulate
     from .gif import GifWriter
 

@@ -239,7 +239,7 @@ class Job:
         """Import dolfinx, with the screen shown meanwhile."""
         began = perf_counter()
         try:
-            from mpi4py import MPI
+            from .._mpi import MPI
 
             self.comm = MPI.COMM_WORLD if self.comm is None else self.comm
             if self.comm.rank > 0:

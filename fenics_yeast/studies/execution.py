@@ -184,7 +184,7 @@ def _shells() -> ShellPool:
 
 def _work(directory: Path, case: Case) -> str:
     """Run or resume a case; return a message that its directory lacks."""
-    from mpi4py import MPI
+    from .._mpi import MPI
 
     def run(resume: bool) -> Result:
         place, screen, alone = directory / case.name, _UntilStopped(), MPI.COMM_SELF
@@ -326,8 +326,9 @@ def _on_ranks(directory: Path, cases: Sequence[Case], comm: Any) -> _Ended:
 def _executor(comm: Any) -> Any:
     """Return an executor on rank 0; on other ranks, its context runs what it submits."""
     import petsc4py
-    from mpi4py import MPI
     from mpi4py.futures import MPICommExecutor
+
+    from .._mpi import MPI
 
     # Otherwise PETSc would wait for all ranks whenever one of them first needs it.
     petsc4py.init(["-no_signal_handler"], comm=MPI.COMM_SELF)

@@ -16,7 +16,7 @@ from support.imports import (
 ROOT = Path(__file__).parents[2] / "fenics_yeast"
 # Each imports only from those before it; "" is the package itself, with its four public names.
 ORDER = (
-    "geometry", "scene", "_form_cache", "_dolfinx", "mechanics", "solve", "simulation", "",
+    "geometry", "scene", "_form_cache", "_mpi", "_dolfinx", "mechanics", "solve", "simulation", "",
     "output", "figures", "studies", "command", "__main__",
 )  # fmt: skip
 # What a room must not know although it comes before.
@@ -24,6 +24,7 @@ APART = {
     (room, other)
     for room, others in {
         "_form_cache": ("geometry", "scene"),
+        "_mpi": ("geometry", "scene"),
         "_dolfinx": ("scene",),
         "mechanics": ("scene",),
         "solve": ("scene",),
