@@ -64,4 +64,5 @@ def _draw(path: Path, scene: Scene, result: Result) -> None:
 
     if len(result.profiles):
         write_surfaces(path, scene, result.profiles)
-    draw(path, scene, result.history, result.profiles, result.status, result.error_bars)
+    parts = result.history, result.profiles, result.status, result.error_bars, result.mode
+    draw(path, scene, *parts)

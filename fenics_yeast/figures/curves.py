@@ -55,13 +55,14 @@ def volume(
     path: Path,
     status: Status | None = "finished",
     error_bars: ErrorBars | None = None,
+    bifurcates: bool = False,
 ) -> None:
     """Draw V/V0 against time, with saved times and the loss of equilibrium marked.
 
     Error bars become a band with its width in numbers, because most are thinner than the line.
     """
     with _volume_axes(path) as axes:
-        stops = scene.run is not None and scene.run.stop_at_bifurcation
+        stops = scene.run is not None and scene.run.stop_at_bifurcation and bifurcates
         curve = Curve(plain(scene.title), history, status, stops)
         _draw_volume(axes, curve, COLOURS[0])
         saved = np.isin(history.time_min, scene.run.save if scene.run else ())

@@ -46,7 +46,7 @@ def draw(
     for name in names:
         path = (directory / name).with_suffix(suffix)
         if name == VOLUME and len(history) > 1 and scene.run is not None:
-            volume(history, scene, path, status, error_bars)
+            volume(history, scene, path, status, error_bars, mode is not None)
         elif name == VOLUME and len(history) > 1 and scene.path is not None:
             equilibrium_path(history, scene, path)
         elif name == SHAPES and len(profiles):

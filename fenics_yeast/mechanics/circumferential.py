@@ -24,10 +24,11 @@ from functools import reduce
 from operator import add
 from typing import Any
 
+import numpy as np
 import ufl
 
 from .. import _dolfinx as dx
-from ..geometry import End
+from ..geometry import Array, End
 from .deformation import Deformation, resultants
 from .growth_state import GrowthState
 from .hyperelasticity import Material, kirchhoff_stress
@@ -88,30 +89,53 @@ class SecondVariation:
         w, dw = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
         self.form = dx.compile_form(ufl.derivative(ufl.derivative(total, v, w), v, dw))
         self._conditions: dict[bool, list[Any]] = {}
+        self._rotation = section.rotation
 
     def conditions(self, waves: int) -> list[Any]:
         """Return the conditions at the ends, all homogeneous, for a number of waves."""
         one = waves == 1
         if one not in self._conditions:
-            self._conditions[one] = self._fixed(one)
+            self._conditions[one] = self.supports(one) + (self._fix() if one else [])
         return self._conditions[one]
 
-    def _fixed(self, one_wave: bool) -> list[Any]:
-        """Return the conditions for one wave, or for more."""
+    def supports(self, one_wave: bool) -> list[Any]:
+        """Return the conditions of poles and edges for one wave, or for more."""
         discretisation = self._reference.discretisation
-        ends = discretisation.ends
-        bending = dx.is_mixed(self.space)
         fixed = []
-        for end, S in zip(ends, discretisation.ends_at, strict=True):
+        for end, S in zip(discretisation.ends, discretisation.ends_at, strict=True):
             pole = end == "pole" and one_wave
             fixed += [(i, S) for i in (_POLE_OF_ONE_WAVE if pole else _CONSTRAINED[end])]
-        if one_wave and ends == ("pole", "pole"):
+        return self._held(fixed)
+
+    def rigid_motions(self) -> list[Array]:
+        """Return motion across the axis and tilt of the unloaded wall, with one wave.
+
+        In the DOFs that this rank owns; only tilt about the middle of the coordinates.
+        """
+        S, dofs = dx.node_dofs(self.space)
+        curve, size = self._reference.discretisation.curve, len(dx.is_motion(self.space))
+        across, tilt = np.zeros(size), np.zeros(size)
+        across[dofs[:, RADIAL]] = 1
+        tilt[dofs[:, RADIAL]], tilt[dofs[:, AXIAL]] = curve.height(S), -curve.radius(S)
+        if dx.is_mixed(self.space):
+            tilt[dofs[:, ROTATION]] = -1 / float(self._rotation.value)
+        return [across, tilt]
+
+    def _fix(self) -> list[Any]:
+        """Return what keeps a wall from moving across its axis and from tilting, if it can."""
+        discretisation, fixed = self._reference.discretisation, []
+        ends, bending = discretisation.ends, dx.is_mixed(self.space)
+        if ends == ("pole", "pole"):
             # No motion across the axis and no tilt; a membrane has no rotation to fix.
             first, last = discretisation.ends_at
             fixed += [(RADIAL, first), (ROTATION, first) if bending else (RADIAL, last)]
-        elif one_wave and not {"clamped", "hinged"} & {*ends}:
+        elif not {"clamped", "hinged"} & {*ends}:
             fixed.append((RADIAL, discretisation.ends_at[0]))  # no motion across the axis
-        zero = self._reference.constant(0.0)
+        return self._held(fixed)
+
+    def _held(self, fixed: list[tuple[int, float]]) -> list[Any]:
+        """Return the conditions that hold components of the motion at ends."""
+        zero, bending = self._reference.constant(0.0), dx.is_mixed(self.space)
         return [
             dx.fem.dirichletbc(zero, dx.end_dofs(self.space, i, S), dx.motion_part(self.space, i))
             for i, S in fixed

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import block_diag, bmat, csc_array, csr_array
 from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 from .. import _dolfinx as dx
@@ -50,14 +50,24 @@ def buckling_modes(scene: Scene, waves: Sequence[int]) -> Iterator[BucklingMode]
 
 
 def _matrix(shell: Shell, variation: SecondVariation | None, waves: int) -> csc_array:
-    """Return the second variation in the trial state."""
+    """Return the second variation in the trial state.
+
+    A closed cell with one wave is free to move across its axis and to tilt: a condition at a pole
+    would hardly hold it, as the wall gives way around a point.
+    """
     _, form, conditions = variation_of(shell, variation, waves)
+    if _is_free(shell, waves) and variation is not None:
+        conditions = variation.supports(one_wave=True)
     matrix = dx.create_matrix(form)
     dx.assemble_matrix(matrix, form, conditions)
     rows, columns, values = matrix.getValuesCSR()
     found = csr_array((values, columns, rows), shape=matrix.getSize())
     matrix.destroy()
     return csc_array((found + found.T) / 2)
+
+
+def _is_free(shell: Shell, waves: int) -> bool:
+    return waves == 1 and shell.discretisation.ends == ("pole", "pole")
 
 
 def _first(
@@ -68,6 +78,11 @@ def _first(
     change: csc_array,
 ) -> BucklingMode:
     """Return the mode of the external pressure of least size at which the matrix is singular."""
+    if variation is not None and _is_free(shell, waves):
+        # No part of the mode may be a rigid motion.
+        rigid = csc_array(np.column_stack(variation.rigid_motions()))
+        stiffness = csc_array(bmat([[stiffness, rigid], [rigid.T, None]]))
+        change = csc_array(block_diag([change, csc_array((2, 2))]))
     solve = splu(stiffness).solve
     size = stiffness.shape[0]
     operator = LinearOperator((size, size), matvec=lambda x: solve(change @ x), dtype=float)

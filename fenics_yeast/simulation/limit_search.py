@@ -47,7 +47,7 @@ class LimitSearch:
     def thinned(self) -> Outcome | None:
         """Return the end of a run at a wall that has almost no thickness left."""
         ratio = self._recorder.least_thickness(self._scene.wall)
-        where = f"beyond {self._time:g} min" if self._time else "under the initial loads"
+        where = f"at {self._time:g} min" if self._time else "under the initial loads"
         return None if ratio is None else wall_thinned(ratio, where)
 
     def find(self, end: float) -> Generator[Row, None, Outcome | None]:
@@ -78,6 +78,9 @@ class LimitSearch:
             self._stepper.reject()
             return None
         part = (limit.pressure - pressure(start)) / (pressure(end) - pressure(start))
+        if part < 0:  # that of another part of the path
+            self._stepper.reject()
+            return None
         time = start + part * (end - start)
         if time > start:
             self._stepper.accept(time)

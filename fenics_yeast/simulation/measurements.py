@@ -49,6 +49,7 @@ class Measurements:
         ]
         self._w = shell.w.x.array
         self._S_points = shell.points.at(shell.points.owned).S.ravel()
+        self._R_points = curve.radius(self._S_points)
         self._points = Order(shell.comm, self._S_points)
         self._weights = np.polynomial.legendre.leggauss(len(shell.eps))[1]
         self._fields = shell.point_fields
@@ -74,14 +75,21 @@ class Measurements:
             found = touches_itself(places[:, 0], places[:, 1], shell.thickness, (first, last))
         return bool(shell.comm.bcast(found))
 
-    def in_tension(self) -> bool:
-        """Whether the mean Cauchy stress through the wall is nowhere compressive, but for noise."""
-        fields = self._fields().reshape(len(self._S_points), -1, 3, 2)
-        mean = np.einsum("j,ijk->ik", self._weights, fields[:, :, 1])
-        least = self._shell.comm.allreduce(mean.min(initial=np.inf), op=dx.MPI.MIN)
+    def compression(self) -> float:
+        """Return the largest `r √N` of a compressive resultant N in µN/µm at radius r in µm.
+
+        It is 0 if the mean Cauchy stress through the wall is nowhere compressive, but for noise.
+        """
         shell = self._shell
+        fields = self._fields().reshape(len(self._S_points), -1, 3, 2)
+        mean = np.einsum("j,ijkl->ikl", self._weights / 2, fields)
+        least = mean[:, 1].min(axis=-1)
         slender = (shell.thickness / shell.radius) ** 2
-        return bool(least >= -_NOISE * slender * shell.membrane_stiffness / shell.thickness)
+        noise = _NOISE * slender * shell.membrane_stiffness / shell.thickness
+        resultant = np.where(least < -noise, -least, 0.0) * shell.thickness
+        radius = self._R_points * np.exp(mean[:, 0, 1])
+        largest = float((radius * np.sqrt(resultant)).max(initial=0.0))
+        return float(shell.comm.allreduce(largest, op=dx.MPI.MAX))
 
     def elastic_strain(self) -> Array:
         """Return elastic strains, meridional and hoop, at the points of this rank,

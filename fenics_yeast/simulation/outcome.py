@@ -66,17 +66,19 @@ def wall_softened(stretch: float, where: str) -> Outcome:
 
 
 def wall_thinned(ratio: float, where: str) -> Outcome:
-    """Return the end of a run at a linear wall that has almost no thickness left."""
-    thinned = "the linear wall has thinned to nothing"
+    """Return the end of a run at a linear wall that has almost no thickness left.
+
+    `where` is the last state, "at ..." or "under ...".
+    """
+    thinned = f"the linear wall has thinned to nothing {where}"
     if ratio > 0:
         thinned = (
-            f"the linear wall has thinned to {100 * ratio:.2g} % of its thickness, "
+            f"the linear wall has thinned to {100 * ratio:.2g} % of its thickness {where}, "
             "and nothing is left a little further"
         )
     return Outcome(
-        "no-equilibrium",
-        f'no wall {where}: {thinned}; use law = "ogden" or thickness_change = "none"',
-    )
+        "no-equilibrium", f'{thinned}; use law = "ogden" or thickness_change = "none"'
+    )  # fmt: skip
 
 
 def growth_limit_reached(row: Row, softens: bool = True) -> Outcome:
@@ -163,17 +165,11 @@ def stability_note(rows: Sequence[Row], bifurcation: Sequence[int] = ()) -> str:
 
     `bifurcation` has the number of the last row before the first one, and the waves of its mode.
     """
-    if bifurcation and bifurcation[1] > 0:
-        row, waves = rows[bifurcation[0]], bifurcation[1]
-        if row.stable:
-            return f"; {_unstable_beyond(row, waves)}"
-        return f"; the equilibrium is unstable to {_mode(waves)}"
-    first = next((i for i, row in enumerate(rows) if not row.stable), None)
-    if first is None:
+    if not bifurcation:
         return ""
-    row, when = rows[first], "" if rows[-1].time_min == 0 else f"{rows[first].time_min:.6g} min, "
-    where = f"{when}{row.pressure_MPa:.6g} MPa, V/V0 = {row.volume_ratio:.6g}"
-    if any(later.stable for later in rows[first:]):
-        return f"; some equilibria are unstable to axisymmetric perturbations, first at {where}"
-    since = f" from {where}" if len(rows) > 1 else ""
-    return f"; the equilibrium is unstable to axisymmetric perturbations{since}"
+    number, waves = bifurcation
+    if not rows[number].stable:
+        return f"; the equilibrium is unstable to {_mode(waves)}"
+    again = any(row.stable for row in rows[number + 2 :])
+    some = "some equilibria are " if again else ""
+    return f"; {some}{_unstable_beyond(rows[number], waves)}"

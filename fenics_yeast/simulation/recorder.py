@@ -133,6 +133,8 @@ class Recorder:
         if not self.rows or pressure <= 0 or pressure != self.rows[-1].pressure_MPa:
             return True
         volumes = self.rows[-1].volume_um3, self._shell.volume()
+        if min(volumes) <= 0:
+            return True
         before, now = (floor(log(volume) / log(1 + part)) for volume in volumes)
         return before != now
 

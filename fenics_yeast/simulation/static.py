@@ -90,7 +90,7 @@ class Static:
                 yield (row := self._accept(iterations, waves))
                 if (thin := self._recorder.least_thickness(self._scene.wall)) is not None:
                     self._recorder.save()
-                    return wall_thinned(thin, f"beyond {self._describe(row)}")
+                    return wall_thinned(thin, f"at {self._describe(row)}")
                 if path.stop_at_contact and self._recorder.contact is not None:
                     self._recorder.save()
                     return stopped_at_contact(row)

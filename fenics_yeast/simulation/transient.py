@@ -39,6 +39,7 @@ from .step_errors import StepErrors
 from .waves import WaveCheck
 
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
+_JUMP, _JUMP_RATIO = 0.1, 5.0  # change of the volume, and its ratio to that of the last step
 _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wall may be at rest
 
 
@@ -120,7 +121,7 @@ class Transient:
                 return stopped_at_bifurcation(recorder.bifurcation[1])
             try:
                 step, waves = self._stepper.attempt(end), None
-                if not (past := self._past_limit()):
+                if not (past := self._past_limit() or self._jumped()):
                     step, end, waves = self._stop_at_bifurcation(step, end)
             except EquilibriumError as error:
                 problem: EquilibriumError | None = error
@@ -275,6 +276,21 @@ class Transient:
             return False
         inside_out = self._scene.cell.closed and self._shell.volume() <= 0
         return self._equilibrium.compliance() < 0 or inside_out
+
+    def _jumped(self) -> bool:
+        """Whether the trial has a much larger change of volume than its change of pressure.
+
+        Such a state lies beyond a limit point, on another part of the equilibrium path.
+        """
+        rows, shell = self._recorder.rows, self._shell
+        last, before = rows[-1], rows[max(0, len(rows) - 2)]
+        slope = last.pressure_MPa - before.pressure_MPa
+        change = shell.volume() - last.volume_um3
+        if slope == 0 or abs(change) < _JUMP * shell.reference_volume:
+            return False
+        part = (float(shell.pressure.value) - last.pressure_MPa) / slope
+        expected = part * (last.volume_um3 - before.volume_um3)
+        return part > 0 and abs(change) > _JUMP_RATIO * abs(expected)
 
     def _accurate(self, step: StepResult, end: float) -> bool:
         """Whether the trial is accurate enough; adapts the steps and adds up their errors."""

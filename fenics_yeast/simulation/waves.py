@@ -3,8 +3,6 @@
 from collections.abc import Iterator, Sequence
 from math import ceil
 
-import numpy as np
-
 from ..mechanics import Shell
 from ..scene import LinearWall, Scene
 from ..solve import WaveModes
@@ -12,7 +10,8 @@ from .falling_mode import falling_mode
 from .recorder import Recorder
 
 _UNCHANGED = 0.02  # change of the volume at constant turgor, up to which none is examined again
-_BEYOND = 1.2  # waves that are looked at, over those of the shortest buckles
+# Waves that are examined, over those that a wall at rest could have: stretch changes its stiffness.
+_BEYOND, _LEAST_MOST = 1.2, 4
 
 
 class WaveCheck:
@@ -20,8 +19,12 @@ class WaveCheck:
 
     A wall in tension everywhere is not examined: on a membrane under tensions `N1, N2` in
     equilibrium with a pressure, perturbations stretch the surface, and the second variation is
-    positive but for its rotation with the surface. Otherwise all numbers of waves are examined up
-    to that of the shortest buckles. The second variation is compiled when it is first needed.
+    positive but for its rotation with the surface. Otherwise those numbers of waves are examined
+    that its compression can bend. The second variation is compiled when it is first needed.
+
+    A mode with n waves at radius r and any wavelength along the meridian has the bending energy
+    `D q²` with `q >= n²/r²`, and a resultant `-N` releases at most `N q`: it may fall only if
+    `n < r √(N/D)` somewhere.
 
     Walls with a free edge, on whose opening pressure has no potential, and those of a user's own
     law, which may not be isotropic, are examined for axisymmetric perturbations only.
@@ -30,7 +33,8 @@ class WaveCheck:
 
     def __init__(self, scene: Scene, shell: Shell, recorder: Recorder, isotropic: bool) -> None:
         self._shell, self._recorder = shell, recorder
-        self._most = most_waves(scene) if isotropic and "free" not in scene.cell.ends else 0
+        self._examined = isotropic and "free" not in scene.cell.ends
+        self._stiffness = _bending_stiffness(scene)
         # A force on a closed cell would tilt it about the point on which it rests.
         self._least = 2 if scene.axial_load is not None and scene.cell.closed else 1
         self._modes: WaveModes | None = None
@@ -52,9 +56,11 @@ class WaveCheck:
 
     def falling(self, numbers: Sequence[int] | None = None) -> Iterator[int]:
         """Yield those of some numbers of waves >= 1, or of all, that fall in the trial state."""
-        if self._most == 0 or self._recorder.measurements.in_tension():
+        compression = self._recorder.measurements.compression() if self._examined else 0.0
+        if compression == 0:
             return
-        every = range(self._least, self._most + 1)
+        most = ceil(_BEYOND * compression / self._stiffness**0.5)
+        every = range(self._least, max(most, _LEAST_MOST) + 1)
         yield from self._compiled().falling(every if numbers is None else numbers)
 
     def keep_mode(self) -> None:
@@ -63,8 +69,10 @@ class WaveCheck:
         if not recorder.bifurcation or recorder.mode is not None:
             return
         row, waves = recorder.bifurcation
-        if waves > 0 and len(recorder.rows) - row <= 2:
-            recorder.mode = falling_mode(self._shell, self._compiled().variation, waves)
+        if not recorder.rows[row].stable or len(recorder.rows) - row > 2:
+            return
+        variation = self._compiled().variation if waves > 0 else None
+        recorder.mode = falling_mode(self._shell, variation, waves)
 
     def _compiled(self) -> WaveModes:
         if self._modes is None:
@@ -72,17 +80,11 @@ class WaveCheck:
         return self._modes
 
 
-def most_waves(scene: Scene) -> int:
-    """Return the number of waves beyond which no wall of a scene buckles first.
-
-    The shortest buckles of a cylinder under axial load and of a sphere under external pressure have
-    the wavelength `2π √(R h) / (12 (1 - ν²))^¼` (Timoshenko and Gere, Theory of Elastic Stability,
-    1961, chapter 11), of which `r / √(R h) (12 (1 - ν²))^¼` fit around the largest circle, of
-    radius r.
-    """
+def _bending_stiffness(scene: Scene) -> float:
+    """Return the least `E h³ / (12 (1 - ν²))` of a scene's wall in µN µm."""
     wall = scene.wall
     poisson = wall.poisson_ratio if isinstance(wall, LinearWall) else 0.5
-    curve = scene.cell.curve
-    largest = float(curve.radius(np.linspace(0, curve.length, 101)).max())
-    length = (scene.cell.radius * min(wall.thicknesses)) ** 0.5
-    return ceil(_BEYOND * largest / length * (12 * (1 - poisson**2)) ** 0.25)
+    mu = wall.shear_modulus
+    factors = [zone.modulus_factor or (zone.shear_modulus or mu) / mu for zone in wall.zone]
+    young = 2 * (1 + poisson) * mu * min([1.0, *factors])
+    return young * min(wall.thicknesses) ** 3 / (12 * (1 - poisson**2))

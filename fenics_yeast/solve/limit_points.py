@@ -4,7 +4,9 @@ Both searches prescribe the volume, which still increases at a limit point, and 
 reaches its maximum there: time or pressure. For a force, its displacement takes that part.
 """
 
+from collections import deque
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil, copysign
 from typing import TypeVar
@@ -15,7 +17,7 @@ from ..geometry import Array
 from ..mechanics import Shell
 from .continuation import BorderedNewton
 from .equilibrium import EquilibriumError
-from .path_following import LEAST_STEP, PathCoordinates, PathError, PathTarget, follow_path
+from .path_following import PathCoordinates, PathTarget, follow_path
 from .runge_kutta import TABLEAUX
 from .time_stepper import TimeStepper
 
@@ -25,7 +27,7 @@ _LARGEST_STEP = 0.02  # of the volume; smaller for a higher precision
 _TABLEAU = TABLEAUX["sdirk3"]  # of steps in volume
 _SHARPNESS = 2e-5  # of the time: how accurately the limit point is located
 _LEAST_GROWTH_STEP = 1e-7  # of the volume
-_MOST_GROWTH_STEPS, _MOST_PRESSURE_STEPS = 400, 1000
+_MOST_GROWTH_STEPS = 400
 _FEWEST_STEPS, _LARGEST_DISPLACEMENT = 40, 0.1  # in its unit, under a rising force
 _BEFORE = 2e-4  # of the volume: how far before a limit pressure the search stops
 
@@ -168,32 +170,33 @@ def find_limit_pressure(shell: Shell, pressure: float, tolerance: float) -> Limi
     Raises
     ------
     PathError
-        If no step in volume converges.
+        If no step along the path converges.
     """
     sign = copysign(1.0, pressure - float(shell.pressure.value))
-    points = [(shell.volume(), float(shell.pressure.value))]
-    step, iterations, size = _LARGEST_STEP, 0, shell.reference_volume
-    with BorderedNewton(shell, shell.pressure, tolerance) as solver:
-        for _ in range(_MOST_PRESSURE_STEPS):
-            try:
-                iterations += solver.solve(points[-1][0] + sign * step * size)
-            except EquilibriumError as error:
-                iterations += error.iterations
-                step /= 2
-                if step < LEAST_STEP * _LARGEST_STEP:
-                    raise PathError(f"no step from here converged: {error}") from error
-                continue
-            points.append((shell.volume(), float(shell.pressure.value)))
-            step = min(_LARGEST_STEP, 1.5 * step)
-            if len(points) > 2 and sign * (points[-1][1] - points[-2][1]) < 0:
-                volumes, pressures = np.array(points[-3:]).T
-                top = np.polynomial.Polynomial.fit(volumes, pressures, 2).deriv().roots()[0]
-                iterations += solver.solve(float(np.real(top)) - sign * _BEFORE * size)
-                found = float(shell.pressure.value)
-                return LimitPressure(found, iterations) if sign * (pressure - found) > 0 else None
-            if sign * (pressure - points[-1][1]) <= 0:
-                return None
-    raise PathError(f"the pressure was not reached in {_MOST_PRESSURE_STEPS} steps in volume")
+    size, unit = shell.reference_volume, shell.membrane_stiffness / (3 * shell.radius)
+    coordinates = PathCoordinates(shell.pressure, size, unit)
+    target, closed = PathTarget(1, pressure / unit), shell.discretisation.ends == ("pole", "pole")
+    ahead = abs(pressure - float(shell.pressure.value)) / unit
+    steps, iterations = ceil(ahead / _LARGEST_STEP), 0
+    points = deque([(shell.volume(), float(shell.pressure.value), shell.state())], maxlen=3)
+    for more in follow_path(shell, coordinates, "volume", target, steps, tolerance, closed):
+        iterations += more
+        points.append((shell.volume(), float(shell.pressure.value), shell.state()))
+        if len(points) > 2 and sign * (points[-1][1] - points[-2][1]) < 0:
+            break
+    else:
+        return None
+    volumes, pressures = (np.array([point[i] for point in points]) for i in range(2))
+    _, found, before = points[-2]
+    shell.restore(before)
+    shell.pressure.value = found
+    if (sign * np.diff(volumes) > 0).all():
+        top = np.polynomial.Polynomial.fit(volumes, pressures, 2).deriv().roots()[0]
+        newton = BorderedNewton(shell, shell.pressure, tolerance)
+        with suppress(EquilibriumError), newton as solver:  # the last point is near enough
+            iterations += solver.solve(float(np.real(top)) - sign * _BEFORE * size)
+        found = float(shell.pressure.value)
+    return LimitPressure(found, iterations) if sign * (pressure - found) > 0 else None
 
 
 # --- under a rising force -----------------------------------------------------------------

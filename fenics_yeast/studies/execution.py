@@ -175,7 +175,7 @@ class _UntilStopped:
 
 
 @cache
-def _shells() -> ShellPool:
+def _shells() -> "ShellPool":
     """Return the shells that all cases of this process share."""
     from ..simulation import ShellPool
 
