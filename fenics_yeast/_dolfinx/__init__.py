@@ -36,7 +36,7 @@ from .spaces import (
     size_of,
     size_of_second,
 )
-from .versions import MPI, PETSc, fem
+from .versions import MPI, PETSc, basix_ufl, dolfinx, fem
 
 __all__ = [
     "MPI",
@@ -45,6 +45,7 @@ __all__ = [
     "assemble_matrix",
     "assemble_scalar",
     "assemble_vector",
+    "basix_ufl",
     "circumferential_space",
     "compile_expression",
     "compile_form",
@@ -52,6 +53,7 @@ __all__ = [
     "create_matrix",
     "dof_array",
     "dof_places",
+    "dolfinx",
     "element_tags",
     "element_vertices",
     "end_dofs",

@@ -83,6 +83,10 @@ def run(
             "--error-bars", help="Estimate the numerical error of V/V0 by refined reruns."
         ),
     ] = False,
+    no_figures: Annotated[
+        bool,
+        typer.Option("--no-figures", help="Draw nothing; fenics-yeast plot does it later."),
+    ] = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a simulation.
@@ -98,7 +102,7 @@ def run(
     path = Path("out", scene.name) if out is None else out
     try:
         with terminated_as_interrupted():
-            result = _run(path, scene, resume, error_bars, quiet)
+            result = _run(path, scene, resume, error_bars, not no_figures, quiet)
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     if result.status != "finished":
@@ -107,20 +111,18 @@ def run(
         fail(result.message + advice, EXIT_STATUS[result.status])
 
 
-def _run(path: Path, scene: Scene, resume: bool, error_bars: bool, quiet: bool) -> Result:
+def _run(
+    path: Path, scene: Scene, resume: bool, error_bars: bool, figures: bool, quiet: bool
+) -> Result:
     from ..output import DolfinxMissing, OutputError, RunLost
     from .run import run_completely
 
     screen = None if quiet else _screen(scene)
     try:
         result = run_completely(
-            path,
-            scene,
-            screen=screen,
-            began=_BEGAN,
-            with_error_bars=error_bars,
-            resume=resume,
-        )
+            path, scene, screen=screen, began=_BEGAN, with_error_bars=error_bars,
+            with_figures=figures, resume=resume,
+        )  # fmt: skip
     except OutputError as error:
         fail(str(error), BAD_INPUT)
     except DolfinxMissing as error:

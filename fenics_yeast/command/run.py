@@ -1,5 +1,6 @@
 """The work of `fenics-yeast run`: a run, its figures and its error bars."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,28 +16,33 @@ def run_completely(
     screen: Screen | None = None,
     began: float | None = None,
     with_error_bars: bool = False,
+    with_figures: bool = True,
     resume: bool = False,
 ) -> Result:
     """Run a scene into a directory, with figures and, if requested, error bars of V/V0.
 
-    Parameters and errors are those of `Job`.
+    Parameters and errors are those of `Job`; without figures, there are no files for ParaView.
 
     Raises
     ------
     KeyboardInterrupt
         If figures or error bars are interrupted; only those are missing then.
     """
+
+    def drawing(result: Result) -> Callable[[], None] | None:
+        return (lambda: _draw(path, scene, result)) if with_figures else None
+
     with Job(path, scene, screen=screen, began=began, resume=resume) as job:
         ended = job.ended
         if ended is not None and (ended.error_bars or not with_error_bars):
             job.note_ended()
-            if job.comm.rank == 0 and _lacks_figures(path, scene):
+            if with_figures and job.comm.rank == 0 and _lacks_figures(path, scene):
                 failed = failed_figures(path, lambda: _draw(path, scene, ended))
                 if failed is not None and failed not in ended.warnings:
                     return replace(ended, warnings=(*ended.warnings, failed))
             return ended
         result = job.run()
-        result = job.complete(result, lambda: _draw(path, scene, result))
+        result = job.complete(result, drawing(result))
         if not with_error_bars or result.status == "interrupted":
             return result
 
@@ -50,7 +56,7 @@ def run_completely(
             return replace(result, error_bars=bars)
 
         full = job.extend(result, refined, "error bars")
-        return job.complete(full, lambda: _draw(path, scene, full))
+        return job.complete(full, drawing(full))
 
 
 def _lacks_figures(path: Path, scene: Scene) -> bool:

@@ -135,7 +135,7 @@ class GrowthState:
         return False
 
     def reset(self, points: QuadraturePoints, weights: Sequence[Weights]) -> None:
-        """Begin again without growth in another wall of the same structure."""
+        """Reset to no growth, in another wall of the same structure."""
         self._trial[:] = 0
         self._base[:] = 0
         self.stage.value = np.float64(0)

@@ -11,7 +11,7 @@ from .quadrature import QuadraturePoints
 
 
 class Parameters:
-    """Coefficients of compiled forms, whose values can be set anew.
+    """Coefficients of compiled forms, whose values can be set again.
 
     Parameters
     ----------

@@ -42,6 +42,17 @@ atmosphere = 101325 * pascal = atm
 radian = [angle] = rad
 degree = 0.01745329251994329576923690768 * radian = deg
 """
+# Units that need no pint, in those in which quantities are stored.
+_USUAL = {
+    symbol: {name: Decimal(value) for name, value in units.items()}
+    for symbol, units in {
+        "µm": {"µm": "1", "um": "1", "nm": "1e-3", "mm": "1e3"},
+        "MPa": {"MPa": "1", "kPa": "1e-3", "Pa": "1e-6", "bar": "0.1", "atm": "0.101325"},
+        "min": {"min": "1", "h": "60"},
+        "µN": {"µN": "1", "uN": "1", "nN": "1e-3"},
+        "degrees": {"deg": "1"},
+    }.items()
+}
 _LARGEST = 1e30  # beyond it, products of values overflow
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?)\s*(.*?)\s*")
 _UNIT = re.compile(r"[^\W\d_]+(\s*[*/]\s*[^\W\d_]+((\^|\*\*)[23])?){0,3}")
@@ -86,6 +97,8 @@ class Unit:
         number, name = match[1], "deg" if match[2] == "°" else match[2]
         if not name:
             raise refusal(reason="no unit")
+        if name in _USUAL.get(self.symbol, {}):
+            return float(Decimal(number) * _USUAL[self.symbol][name])
         registry = _registry()
         from pint import PintError
 

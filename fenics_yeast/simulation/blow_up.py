@@ -1,9 +1,8 @@
 """Growth without bound: an estimate of the time at which the volume becomes infinite."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import inf, log
-
-from scipy.optimize import brentq
 
 from .history import Row
 
@@ -34,6 +33,9 @@ def blow_up_time(rows: Sequence[Row], broken_off: bool = False) -> float | None:
     """
     if len(rows) < 5 or rows[-1].volume_ratio < _LARGE:
         return None
+    if any(after.time_min <= before.time_min for before, after in pairwise(rows[-5:])):
+        # Steps are lost in the digits of the time.
+        return rows[-1].time_min if broken_off and rows[-1].volume_ratio > _HUGE else None
     estimates = [_power_law(rows[i - 2], rows[i - 1], rows[i]) for i in (-3, -2, -1)]
     times, exponents = zip(*estimates, strict=True)
     last = rows[-1]
@@ -50,6 +52,8 @@ def blow_up_time(rows: Sequence[Row], broken_off: bool = False) -> float | None:
 
 def _power_law(first: Row, second: Row, third: Row) -> tuple[float, float]:
     """Return t* and a of `V ~ (t* - t)^-a` through three rows; infinite if there is none."""
+    from scipy.optimize import brentq  # late: few cells grow without bound
+
     begin, middle, end = first.time_min, second.time_min, third.time_min
     early = log(second.volume_um3 / first.volume_um3)
     late = log(third.volume_um3 / second.volume_um3)

@@ -53,7 +53,7 @@ def _matrix(shell: Shell, variation: SecondVariation | None, waves: int) -> csc_
     """Return the second variation in the trial state.
 
     A closed cell with one wave is free to move across its axis and to tilt: a condition at a pole
-    would hardly hold it, as the wall gives way around a point.
+    would hardly hold it, as the wall deforms around a point.
     """
     _, form, conditions = variation_of(shell, variation, waves)
     if _is_free(shell, waves) and variation is not None:

@@ -3,8 +3,6 @@
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from .. import _dolfinx as dx
 from ..geometry import Array
@@ -31,6 +29,8 @@ def falling_mode(
     BucklingMode or None
         The mode; None if the stiffness is too near to singular.
     """
+    from scipy.sparse import csr_array, vstack  # late: few walls buckle
+
     space, form, conditions = variation_of(shell, variation, waves)
     matrix = dx.create_matrix(form)
     dx.assemble_matrix(matrix, form, conditions)
@@ -83,6 +83,8 @@ def _softest(matrix: Any, moving: Array) -> Array | None:
 
     Shear forces, and what is held, take no part: they only follow.
     """
+    from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
     start = moving * np.linspace(1.0, 2.0, len(moving))  # not symmetric
     try:
         solve = splu(matrix.tocsc()).solve

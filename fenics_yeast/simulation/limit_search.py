@@ -10,8 +10,15 @@ from ..solve import (
     approach_limit_point,
     find_limit_pressure,
 )
+from .blow_up import blow_up_time
 from .history import Row
-from .outcome import Outcome, growth_limit_reached, limit_pressure_exceeded, wall_thinned
+from .outcome import (
+    Outcome,
+    growth_limit_reached,
+    growth_unbounded,
+    limit_pressure_exceeded,
+    wall_thinned,
+)
 from .recorder import Recorder
 
 
@@ -66,10 +73,12 @@ class LimitSearch:
     def _find(self, end: float) -> Generator[Row, None, Outcome | None]:
         """Return the same, however thin the wall becomes."""
         if self._stepper.shell.growth is not None and (yield from self._meets_growth_limit(end)):
-            return self._lost(end)
+            rows = self._recorder.rows
+            infinite = blow_up_time(rows, broken_off=True)
+            return self._lost(end) if infinite is None else growth_unbounded(infinite, rows[-1])
         start, pressure = self._time, self._stepper.pressure
-        if pressure(end) == pressure(start):
-            return None
+        if abs(pressure(end)) <= abs(pressure(start)) and pressure(end) * pressure(start) > 0:
+            return None  # a load that does not rise exceeds no limit
         try:
             limit = find_limit_pressure(self._stepper.shell, pressure(end), self._tolerance)
         except PathError:

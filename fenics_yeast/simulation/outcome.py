@@ -65,6 +65,11 @@ def wall_softened(stretch: float, where: str) -> Outcome:
     )
 
 
+def buckled(where: str) -> Outcome:
+    """Return the end of a run whose last states are unstable, with no equilibrium nearby."""
+    return Outcome("no-equilibrium", f"no equilibrium found beyond {where}: the wall has buckled")
+
+
 def wall_thinned(ratio: float, where: str) -> Outcome:
     """Return the end of a run at a linear wall that has almost no thickness left.
 

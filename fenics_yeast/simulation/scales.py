@@ -4,7 +4,7 @@ from ..scene import PressureTable, Scene
 
 _ROUND_OFF = 1e-12  # of the nodal forces, for those that would double the wall's length
 _LEAST = 2e-9  # relative residual; smaller ones are lost in round-off where growth is large
-# Relative residual: a part of the tolerance, but no larger than steps of growth can bear.
+# Relative residual: a part of the tolerance, but not so large that steps of growth would fail.
 _PART, _MOST = 0.2, 5e-5
 
 

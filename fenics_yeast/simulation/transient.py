@@ -27,6 +27,7 @@ from .loading import load_in_parts
 from .milestones import among, kinks, step_controller, switches
 from .outcome import (
     Outcome,
+    buckled,
     growth_unbounded,
     reached_end,
     stopped_at_bifurcation,
@@ -335,6 +336,8 @@ class Transient:
         rows = self._recorder.rows
         if (infinite := blow_up_time(rows, broken_off=True)) is not None:
             return growth_unbounded(infinite, rows[-1])
+        if rows and not rows[-1].stable:
+            return buckled(where)
         return self._softened(where) or Outcome("failed", failed)
 
     def _softened(self, where: str) -> Outcome | None:

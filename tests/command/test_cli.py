@@ -57,6 +57,18 @@ def test_out_and_set_and_quiet(here: Path) -> None:
     assert read_history(here / "a b" / "c").pressure_MPa[-1] == 0.101325
 
 
+def test_figures_can_be_left_to_plot(here: Path) -> None:
+    assert call("run", "small.toml", "--no-figures").exit_code == 0
+    folder = here / "out" / "small"
+    drawn = {name for name in TWO_SAVED if name.startswith(("figures/", "surface"))}
+    assert tree(folder) == TWO_SAVED - drawn
+    assert call("run", "small.toml", "--no-figures", "--resume").exit_code == 0
+    assert tree(folder) == TWO_SAVED - drawn
+    assert call("run", "small.toml", "--resume").exit_code == 0
+    assert tree(folder) == TWO_SAVED
+    assert call("plot", str(folder)).exit_code == 0
+
+
 def test_a_run_can_be_repeated_from_its_own_scene(here: Path) -> None:
     arguments = ("--quiet", "--set", "run.end=4", "--set", "run.save=[4]")
     assert call("run", "small.toml", *arguments).exit_code == 0

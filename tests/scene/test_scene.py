@@ -4,8 +4,10 @@ import dataclasses
 import pickle
 import subprocess
 import sys
+from decimal import Decimal
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 from support.scenes import BALLOON, BUD
@@ -21,6 +23,7 @@ from fenics_yeast.scene import (
     Turgor,
     Wall,
     Zone,
+    units,
 )
 
 
@@ -243,10 +246,23 @@ def test_scenes_are_frozen(bud):
         bud.wall.thickness = 1.0
 
 
+def test_usual_units_have_the_digits_of_pint() -> None:
+    """They are converted without it."""
+    random = np.random.default_rng(3)
+    numbers = [repr(x) for x in random.lognormal(0, 5, 50)] + ["100", "0.01", "2.5e-3", "1e5"]
+    for unit in (units.LENGTH, units.PRESSURE, units.TIME, units.FORCE, units.ANGLE):
+        for name in units._USUAL[unit.symbol]:
+            by_pint = units._registry().parse_units(name)
+            for number in numbers:
+                quantity = units._registry().Quantity(Decimal(number), by_pint)
+                assert unit.read(f"{number} {name}") == float(quantity.to(unit.symbol).magnitude)
+
+
 @pytest.mark.process
-def test_a_scene_loads_neither_dolfinx_nor_pint(tmp_path):
+@pytest.mark.parametrize("text", [BALLOON, BUD])
+def test_a_scene_loads_neither_dolfinx_nor_pint(tmp_path, text):
     path = tmp_path / "balloon.toml"
-    path.write_text(BALLOON)
+    path.write_text(text)
     code = (
         "import sys; from fenics_yeast.scene import Scene; Scene.load(sys.argv[1]);"
         "print(*{'dolfinx', 'ufl', 'petsc4py', 'matplotlib', 'pint'} & set(sys.modules))"

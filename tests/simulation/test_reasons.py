@@ -226,3 +226,19 @@ def test_a_path_of_a_cap_goes_on_where_its_volume_is_negative() -> None:
     result = simulate(Scene.from_toml(text + "[path]\nuntil.displacement = -1.4\n"))
     assert result.status == "finished"
     assert result.history.volume_ratio[-1] < 0
+
+
+@pytest.mark.parametrize("pressure", [-0.27, -0.3, -0.5])
+def test_no_limit_pressure_is_named_below_pressures_that_the_wall_has_carried(
+    pressure: float,
+) -> None:
+    """The bud's sphere buckles at 0.268 MPa from outside; its states beyond are unstable."""
+    text = SPHERE.format(material=OGDEN, pressure=pressure, force=0).split("[load]")[0]
+    growth = '[growth]\nzone = { pole = "top", half_angle = 24 }\nthreshold = 1\ntime = 45\n'
+    result = simulate(Scene.from_toml(text + growth + "[run]\nend = 1\n"))
+    assert result.status == "no-equilibrium"
+    assert result.bifurcation is not None
+    assert result.bifurcation.pressure_MPa == pytest.approx(-0.268, rel=0.01)
+    if "limit pressure exceeded" in result.message:
+        named = float(result.message.split("limit pressure exceeded (")[1].split()[0])
+        assert named >= -result.history.pressure_MPa.min() * (1 - 1e-9)
