@@ -109,13 +109,13 @@ def stability() -> str:
 
 def loop(scene: Scene, examined: bool) -> Result:
     """Run a scene, with or without an examination of waves around the axis."""
-    falling = WaveCheck.falling
+    fall = WaveCheck._fall
     if not examined:
-        WaveCheck.falling = lambda *_: iter(())
+        WaveCheck._fall = lambda *_: iter(())
     try:
         return simulate(scene)
     finally:
-        WaveCheck.falling = falling
+        WaveCheck._fall = fall
 
 
 def per_number(scene: Scene) -> float:
@@ -147,8 +147,8 @@ force. Minimum of {repeats} runs on a shared machine; written by `demos/benchmar
 
 A wall in tension everywhere is not examined. Otherwise each number of waves n is one factorisation,
 up to that of the shortest buckles, after three assemblies; to locate a bifurcation, only the modes
-that fall are followed. "Without" is the same run without this examination. Its form is set up when the
-wall is first compressed, which takes 0.06 to 0.08 s; its first compilation ever takes some 10 s.
+that fall are followed. "Without" is the same run without this examination. Its form is set up when
+the wall is first compressed, which takes 0.06 to 0.08 s; its first compilation takes some 10 s.
 
 {stability}
 """
