@@ -199,6 +199,8 @@ def _check(points: Array, tolerance: float) -> None:
 def _crossing(points: Array) -> int | None:
     """Return the index of a segment that another one, not its neighbour, crosses."""
     a, d = points[:-1], np.diff(points, axis=0)
+    if (d[:, 1] > 0).all():
+        return None  # it only rises
     for i in range(len(a) - 2):
         b, e = a[i + 2 :], d[i + 2 :]
         gap = b - a[i]
