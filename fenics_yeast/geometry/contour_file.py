@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .curves import Array
 
@@ -13,6 +14,7 @@ _NAME = re.compile(r"([rz])[\s_]*[\[(/]?\s*([a-zµμ]*)\s*[\])]?", re.IGNORECASE
 _UNITS = {"µm": 1.0, "μm": 1.0, "um": 1.0, "micron": 1.0, "microns": 1.0, "nm": 1e-3}
 _PIXELS = ("px", "pixel", "pixels")
 _CLOSED = 3.0  # steps between its points: ends that are closer to each other close an outline
+_SAME = 1e-6  # of the median distance of points: a point given twice
 _ALIKE = 0.1  # of the radius: how far the two halves of an outline may be from each other
 
 
@@ -119,8 +121,8 @@ def _half(points: Array) -> Array:
     steps = np.hypot(*np.diff(points, axis=0).T)
     if len(points) < 8 or np.hypot(*(points[-1] - points[0])) > _CLOSED * np.median(steps):
         return points
-    if (points[-1] == points[0]).all():
-        points = points[:-1]
+    ahead = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    points = points[ahead > _SAME * np.median(steps)]
     following = np.roll(points, -1, axis=0)
     areas = points[:, 0] * following[:, 1] - following[:, 0] * points[:, 1]
     centre = ((points[:, 0] + following[:, 0]) @ areas) / (3 * areas.sum())
@@ -132,14 +134,7 @@ def _half(points: Array) -> Array:
             f"is a closed outline that meets its vertical axis at {len(crossing)} places; "
             "expected 2: rotate it until its axis is vertical"
         )
-    part = points[crossing, 0] / (points[crossing, 0] - following[crossing, 0])
-    poles = points[crossing] + part[:, None] * (following[crossing] - points[crossing])
-    first, second = crossing
-    one = np.concatenate([poles[:1], points[first + 1 : second + 1], poles[1:]])
-    rest = np.concatenate([points[second + 1 :], points[: first + 1]])
-    other = np.concatenate([poles[1:], rest, poles[:1]])
-    halves = [_evenly(half if half[0, 1] < half[-1, 1] else half[::-1], len(points) // 2 + 1)
-              for half in (one, other)]  # fmt: skip
+    halves = [half if half[0, 1] < half[-1, 1] else half[::-1] for half in _cut(points, crossing)]
     halves = [half * (np.sign(half[:, 0].sum()), 1) for half in halves]
     apart = float(np.hypot(*(halves[0] - halves[1]).T).max())
     if apart > _ALIKE * halves[0][:, 0].max():
@@ -150,8 +145,20 @@ def _half(points: Array) -> Array:
     return np.mean(halves, axis=0)
 
 
-def _evenly(points: Array, number: int) -> Array:
-    """Return a number of points at equal distances along a line."""
-    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    at = np.linspace(0.0, along[-1], number)
-    return np.column_stack([np.interp(at, along, x) for x in points.T])
+def _cut(points: Array, crossing: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Return both halves of a closed outline between its two crossings of r = 0.
+
+    They have as many points, evenly spread on a cubic spline: on chords a cell would be smaller.
+    """
+    from scipy.interpolate import CubicSpline  # late: 0.2 s, and few scenes have a contour
+
+    closed = np.concatenate([points, points[:1]])
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(closed, axis=0).T)))
+    curve = CubicSpline(along, closed, bc_type="periodic")
+    roots = CubicSpline(along, closed[:, 0], bc_type="periodic").roots(extrapolate=False)
+    first, second = (roots[(along[i] <= roots) & (roots <= along[i + 1])][0] for i in crossing)
+    ends = (first, second), (second, first + along[-1])
+    one, other = (curve(np.linspace(*part, len(points) // 2 + 1)) for part in ends)
+    for half in (one, other):
+        half[[0, -1], 0] = 0.0  # but for round-off
+    return one, other

@@ -336,8 +336,12 @@ class Transient:
         rows = self._recorder.rows
         if (infinite := blow_up_time(rows, broken_off=True)) is not None:
             return growth_unbounded(infinite, rows[-1])
-        if rows and not rows[-1].stable:
+        bifurcation = self._recorder.bifurcation
+        at_bifurcation = bool(bifurcation) and bifurcation[0] == len(rows) - 1
+        if at_bifurcation or not rows[-1].stable:
             return buckled(where)
+        if isinstance(reason, str):
+            return Outcome("no-equilibrium", f"no equilibrium found beyond {where}: {reason}")
         return self._softened(where) or Outcome("failed", failed)
 
     def _softened(self, where: str) -> Outcome | None:

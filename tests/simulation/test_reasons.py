@@ -241,4 +241,4 @@ def test_no_limit_pressure_is_named_below_pressures_that_the_wall_has_carried(
     assert result.bifurcation.pressure_MPa == pytest.approx(-0.268, rel=0.01)
     if "limit pressure exceeded" in result.message:
         named = float(result.message.split("limit pressure exceeded (")[1].split()[0])
-        assert named >= -result.history.pressure_MPa.min() * (1 - 1e-9)
+        assert named >= -result.history.pressure_MPa.min() * (1 - 1e-5)
