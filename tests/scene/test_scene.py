@@ -249,7 +249,7 @@ def test_scenes_are_frozen(bud):
 def test_usual_units_have_the_digits_of_pint() -> None:
     """They are converted without it."""
     random = np.random.default_rng(3)
-    numbers = [repr(x) for x in random.lognormal(0, 5, 50).tolist()] + ["100", "0.01", "2.5e-3", "1e5"]
+    numbers = [*map(repr, random.lognormal(0, 5, 50).tolist()), "100", "0.01", "2.5e-3", "1e5"]
     for unit in (units.LENGTH, units.PRESSURE, units.TIME, units.FORCE, units.ANGLE):
         for name in units._USUAL[unit.symbol]:
             by_pint = units._registry().parse_units(name)
