@@ -338,11 +338,13 @@ class Transient:
             return growth_unbounded(infinite, rows[-1])
         bifurcation = self._recorder.bifurcation
         at_bifurcation = bool(bifurcation) and bifurcation[0] == len(rows) - 1
+        if (softened := self._softened(where)) is not None:
+            return softened
         if at_bifurcation or not rows[-1].stable:
             return buckled(where)
         if isinstance(reason, str):
             return Outcome("no-equilibrium", f"no equilibrium found beyond {where}: {reason}")
-        return self._softened(where) or Outcome("failed", failed)
+        return Outcome("failed", failed)
 
     def _softened(self, where: str) -> Outcome | None:
         """Return the end of a run if the wall, in its trial state, has no stiffness."""
