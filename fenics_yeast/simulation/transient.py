@@ -331,20 +331,18 @@ class Transient:
         return reached_end(end, grew, late, reductions, limited)
 
     def _failed(self, reason: EquilibriumError | str) -> Outcome:
-        where = f"{self._time:g} min"
-        failed = f"no convergence beyond {where}, even with the smallest step: {reason}"
-        rows = self._recorder.rows
+        where, rows = f"{self._time:g} min", self._recorder.rows
         if (infinite := blow_up_time(rows, broken_off=True)) is not None:
             return growth_unbounded(infinite, rows[-1])
-        bifurcation = self._recorder.bifurcation
-        at_bifurcation = bool(bifurcation) and bifurcation[0] == len(rows) - 1
         if (softened := self._softened(where)) is not None:
             return softened
-        if at_bifurcation or not rows[-1].stable:
+        bifurcation = self._recorder.bifurcation
+        if not rows[-1].stable or (bifurcation and bifurcation[0] == len(rows) - 1):
             return buckled(where)
         if isinstance(reason, str):
             return Outcome("no-equilibrium", f"no equilibrium found beyond {where}: {reason}")
-        return Outcome("failed", failed)
+        why = f"no convergence beyond {where}, even with the smallest step: {reason}"
+        return Outcome("failed", why)
 
     def _softened(self, where: str) -> Outcome | None:
         """Return the end of a run if the wall, in its trial state, has no stiffness."""
