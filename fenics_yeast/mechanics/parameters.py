@@ -65,11 +65,5 @@ def _assign(constant: Any, number: float) -> None:
 
 
 def values_of(law: Law | None, kind: str) -> dict[str, Parameter]:
-    """Return the parameters of a law, if there is one, by their names in the forms.
-
-    Weights of growth, which change in time, are not among them.
-    """
-    if law is None:
-        return {}
-    values = {f"{kind}.{name}": value for name, value in law.parameters.items()}
-    return {name: value for name, value in values.items() if not isinstance(value, tuple)}
+    """Return the parameters of a law, if there is one, by their names in the forms."""
+    return {} if law is None else {f"{kind}.{name}": x for name, x in law.parameters.items()}

@@ -123,8 +123,6 @@ def section_values(
         "rotation": rotation,
         "shear_force": mu * h * rotation / _MEMBRANE_STIFFNESS,
     }
-    if wall.energy.weights:
-        raise TypeError("only parameters of a growth law can be weights")
     values |= values_of(wall.energy, "energy") | values_of(wall.thinning, "thinning")
     if wall.thickness_ratio is not None:
         values["thickness_ratio"] = wall.thickness_ratio

@@ -147,7 +147,8 @@ class Shell:
         self.rotation = _RADIUS / self.radius
         self.xi = distances(wall, approximation)
         values = section_values(wall, approximation, self.rotation)
-        return values | values_of(wall.growth_law, "growth")
+        growth = values_of(wall.growth_law, "growth")
+        return values | {name: x for name, x in growth.items() if not isinstance(x, tuple)}
 
     def _place(self) -> None:
         """Find the loaded node, and the volume of the unloaded wall."""

@@ -26,6 +26,11 @@ def kinks(scene: Scene) -> list[float]:
     return sorted([min(scene.turgor.ramp, end), *inside])
 
 
+def memory(scene: Scene) -> int:
+    """Return from how many solutions a run predicts the next: more for short and equal steps."""
+    return 3 if scene.numerics.step is None else 5
+
+
 def step_controller(
     scene: Scene, pressure: Callable[[float], float], estimate_order: int
 ) -> StepController:

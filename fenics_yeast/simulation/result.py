@@ -165,7 +165,7 @@ class Result:
     bifurcation
         Where the first equilibrium is unstable; None if all are stable.
     mode
-        The mode there, if it has waves around the axis.
+        The mode that falls there; None if it is unknown.
     """
 
     history: History

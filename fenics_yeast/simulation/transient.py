@@ -24,7 +24,7 @@ from .error_estimate import estimate_error
 from .history import Row
 from .limit_search import LimitSearch
 from .loading import load_in_parts
-from .milestones import among, kinks, step_controller, switches
+from .milestones import among, kinks, memory, step_controller, switches
 from .outcome import (
     Outcome,
     buckled,
@@ -61,11 +61,11 @@ class Transient:
         self._equilibrium = self._resources.enter_context(Equilibrium(shell, tolerance))
         self._stability = self._resources.enter_context(Stability(shell))
         self._tableau = TABLEAUX[scene.numerics.integrator]
-        self._stepper = TimeStepper(shell, self._equilibrium, self._tableau, turgor(scene))
-        self._stable = True
+        parts = self._equilibrium, self._tableau, turgor(scene), memory(scene)
+        self._stepper = TimeStepper(shell, *parts)
+        self._stable, self._reduced = True, False
         self._passed: int | None = None
         self._waves = self._resources.enter_context(WaveCheck(scene, shell, recorder, isotropic))
-        self._reduced = False
         self._switches, self._kinks = switches(scene), kinks(scene)
         self._controller = step_controller(
             scene, self._stepper.pressure, self._tableau.estimate_order

@@ -10,8 +10,6 @@ from ..geometry import Array
 Solution = tuple[float, Array]
 """Parameter (time in min, or length along a path) and the solution there."""
 
-_MOST_SOLUTIONS = 3
-
 
 def extrapolate(solutions: Sequence[Solution], at: float) -> Array:
     """Return the value at a parameter of the polynomial (Lagrange) through some solutions."""
@@ -26,12 +24,15 @@ def extrapolate(solutions: Sequence[Solution], at: float) -> Array:
 
 
 class Predictor:
-    """Initial guess of Newton's method in time, from the last three solutions.
+    """Initial guess of Newton's method in time, from the last solutions.
 
     Parameters
     ----------
     constrained
         DOFs that no solution moves; they keep their value to the last digit.
+    memory
+        From how many solutions it extrapolates: more for short and equal steps, fewer for steps
+        that adapt.
 
     Attributes
     ----------
@@ -39,8 +40,8 @@ class Predictor:
         The last solutions and their times in min, those of stages among them; at least one.
     """
 
-    def __init__(self, constrained: NDArray[np.int32]) -> None:
-        self._constrained = constrained
+    def __init__(self, constrained: NDArray[np.int32], memory: int) -> None:
+        self._constrained, self._memory = constrained, memory
         self.solutions: tuple[Solution, ...] = ()
 
     def predict(self, time: float) -> Array:
@@ -52,4 +53,4 @@ class Predictor:
     def add(self, time: float, w: Array) -> None:
         """Add a solution; it replaces one at the same time."""
         earlier = tuple(solution for solution in self.solutions if solution[0] != time)
-        self.solutions = (*earlier, (time, w))[-_MOST_SOLUTIONS:]
+        self.solutions = (*earlier, (time, w))[-self._memory :]

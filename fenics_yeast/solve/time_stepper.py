@@ -68,6 +68,8 @@ class TimeStepper:
         Runge-Kutta method for the growth strains.
     pressure
         Turgor in MPa as a function of time in min.
+    memory
+        From how many solutions the next one is predicted; see `Predictor`.
 
     Attributes
     ----------
@@ -86,12 +88,13 @@ class TimeStepper:
         equilibrium: Equilibrium,
         tableau: ButcherTableau,
         pressure: Callable[[float], float],
+        memory: int = 5,
     ) -> None:
         if not tableau.is_stiffly_accurate:
             raise ValueError(f"{tableau.name} must be stiffly accurate: b the last row of A")
         self.shell, self._equilibrium = shell, equilibrium
         self._tableau, self.pressure = tableau, pressure
-        self._predictor = Predictor(shell.constrained)
+        self._predictor = Predictor(shell.constrained, memory)
         self._trial_rate: Array | None = None
         wall = shell.state()
         self._predictor.solutions = ((0.0, wall.w),)

@@ -1,9 +1,11 @@
 """The default preset: its tolerance, orders, nodes and rejected steps."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from fenics_yeast import simulate
+from fenics_yeast import Scene, simulate
 from fenics_yeast.simulation import build_shell
 from fenics_yeast.simulation.discretise import discretise
 from fenics_yeast.solve.equilibrium import Equilibrium
@@ -111,3 +113,17 @@ def test_rejected_step_leaves_no_trace(cell_scene, name):
             stepper.step(1.0)
             volumes.append(shell.volume())
     assert volumes[0] == pytest.approx(volumes[1], rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("numerics", "most"), [({"preset": "default"}, 260), ({"preset": "paper"}, 680)]
+)
+def test_newton_needs_few_iterations(numerics: dict[str, object], most: int) -> None:
+    """Adaptive steps are predicted from three solutions, the paper's short equal ones from five.
+
+    With five and three, it would be 294 and 1156.
+    """
+    bud = Scene.load(Path(__file__).parents[2] / "demos" / "scenes" / "bud.toml")
+    result = simulate(bud.with_values({"numerics": numerics}))
+    assert result.status == "finished"
+    assert result.newton_iterations <= most
