@@ -57,8 +57,7 @@ test-fast: .venv/.installed-test  ## the tests that take less than a minute
 # A sixteenth of N scenes is run, which takes as long as to read the others.
 .PHONY: fuzz
 fuzz: .venv/.installed-test  ## N random scenes (2000 by default), other ones at each call
-	@FUZZ=$(or $(N),2000) $(PYTHON) -m pytest tests/scene/test_any_text.py \
-	    tests/simulation/test_any_run.py $(ARGS)
+	@FUZZ=$(or $(N),2000) $(PYTHON) -m pytest tests/properties $(ARGS)
 
 .PHONY: test-ranks
 test-ranks: .venv/.installed-test  ## tests marked `distributed`, on two and three ranks

@@ -1,7 +1,6 @@
 """Scenes, meshes and ways to run that several tests share."""
 
 import csv
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -11,7 +10,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, settings
 from support import ranks
 from support.scenes import SMALL
 
@@ -21,16 +19,6 @@ from fenics_yeast.scene import Cell, Growth, Numerics, Run, Turgor, Wall, Zone, 
 from fenics_yeast.simulation import Result
 
 DATA = Path(__file__).parent / "data"
-# `make fuzz` draws other examples at each call, and more of them.
-settings.register_profile(
-    "fixed",
-    derandomize="FUZZ" not in os.environ,
-    max_examples=int(os.environ.get("FUZZ", "160")),
-    deadline=None,
-    database=None,
-    suppress_health_check=list(HealthCheck),
-)
-settings.load_profile("fixed")
 # The container takes all from Debian and goes without VTK for its size; `make test` installs it.
 collect_ignore = [] if find_spec("vtkmodules") else ["figures/test_surface.py"]
 

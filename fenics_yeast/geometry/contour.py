@@ -209,8 +209,12 @@ def _check(points: Array, tolerance: float) -> None:
 def _crossing(points: Array) -> int | None:
     """Return the index of a segment that another one, not its neighbour, crosses."""
     a, d = points[:-1], np.diff(points, axis=0)
-    if (d[:, 1] > 0).all():
-        return None  # it only rises
+    z = points[:, 1]
+    # A segment above all before it and below all after it crosses none.
+    highest = np.append(-np.inf, np.maximum.accumulate(z)[:-2])
+    lowest = np.append(np.minimum.accumulate(z[::-1])[-3::-1], np.inf)
+    others = np.flatnonzero((z[:-1] <= highest) | (z[1:] >= lowest))
+    a, d = a[others], d[others]
     for i in range(len(a) - 2):
         b, e = a[i + 2 :], d[i + 2 :]
         gap = b - a[i]
@@ -219,7 +223,7 @@ def _crossing(points: Array) -> int | None:
             s = (gap[:, 0] * e[:, 1] - gap[:, 1] * e[:, 0]) / area
             t = (gap[:, 0] * d[i, 1] - gap[:, 1] * d[i, 0]) / area
         if ((s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)).any():
-            return i
+            return int(others[i])
     return None
 
 

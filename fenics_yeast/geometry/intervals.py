@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from .curves import NEAR, Array, Cap, Curve, Sphere
 from .supports import Pole
 
-_SAMPLES = 20_001  # points of a curve at which the polar angle is evaluated
+_SAMPLES = 401  # points of a curve at which the polar angle is evaluated, once more between two
 
 
 @dataclass(frozen=True)
@@ -36,14 +36,16 @@ def polar_extent(curve: Curve, pole: Pole, half_angle: float) -> float:
     if isinstance(curve, Sphere | Cap):
         extent = min(half_angle * curve.R0, curve.length)
         return extent if pole == "bottom" else curve.length - extent
-    S = np.linspace(0, curve.length, _SAMPLES)
-    Z = curve.height(S)
-    angle = np.arctan2(curve.radius(S), (Z[-1] + Z[0]) / 2 - Z)  # from below
-    if pole == "top":
-        angle, S = np.pi - angle[::-1], S[::-1]
-    first = int(np.argmax(angle >= half_angle - 1e-12)) or len(S) - 1
+    middle = float(curve.height(np.array([0.0, curve.length])).mean())
+    begin, end = (0.0, curve.length) if pole == "bottom" else (curve.length, 0.0)
+    sign = 1.0 if pole == "bottom" else -1.0
+    for _ in range(2):
+        S = np.linspace(begin, end, _SAMPLES)
+        angle = np.arctan2(curve.radius(S), sign * (middle - curve.height(S)))
+        first = int(np.argmax(angle >= half_angle - 1e-12)) or _SAMPLES - 1
+        begin, end = float(S[first - 1]), float(S[first])
     part = (half_angle - angle[first - 1]) / (angle[first] - angle[first - 1])
-    return float(S[first - 1] + min(part, 1.0) * (S[first] - S[first - 1]))
+    return begin + min(float(part), 1.0) * (end - begin)
 
 
 def merged(parts: Iterable[Interval]) -> Intervals:

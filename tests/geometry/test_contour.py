@@ -66,7 +66,7 @@ def staircase() -> tuple[np.ndarray, np.ndarray]:
     return np.r_[0, r[keep], 0], np.r_[-3.5, z[keep], 3.5]
 
 
-def white(deviation: float, number: int = 200) -> tuple[np.ndarray, np.ndarray]:
+def white(deviation: float, number: int = 120) -> tuple[np.ndarray, np.ndarray]:
     r, z = ellipse(number)
     noise = np.random.default_rng(3).normal(scale=deviation, size=(2, number))
     noise[0, [0, -1]] = 0
@@ -82,7 +82,7 @@ def hoop(curve, at):
 
 @pytest.mark.parametrize(
     ("points", "error"),
-    [(staircase(), 0.15), (white(0.003), 0.04), (white(0.02), 0.1), (white(0.02, 400), 0.15)],
+    [(staircase(), 0.15), (white(0.003), 0.04), (white(0.02), 0.1), (white(0.02, 240), 0.15)],
     ids=["pixels", "white", "more noise", "more points"],
 )
 def test_the_default_tolerance_keeps_noise_out_of_the_stress(points, error):

@@ -245,7 +245,7 @@ def test_a_scene_with_random_edits_is_read_or_raises_a_scene_error():
     pieces = [*'=[]{}".,#-+_eE0', "\n", "\n[", "nan", "inf", "true", "1e999", "5 kg", "µ", "\x07"]
     words = BUD.split()
     refused = 0
-    for _ in range(2000):
+    for _ in range(1000):
         text = BUD
         for _ in range(chance.randint(1, 4)):
             start = chance.randrange(len(text))
@@ -257,7 +257,7 @@ def test_a_scene_with_random_edits_is_read_or_raises_a_scene_error():
         except SceneError as error:
             assert_one_line(str(error))
             refused += 1
-    assert 1000 < refused < 2000
+    assert 500 < refused < 1000
 
 
 def test_a_value_of_any_type_at_any_key_is_taken_or_raises_a_scene_error(bud):
