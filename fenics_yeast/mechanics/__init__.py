@@ -14,10 +14,11 @@ from .quadrature import QuadraturePoints
 from .section import Approximation, WallProperties
 from .shell import Shell, ShellState
 from .structure import structure_of
+from .thickness_rule import thickness_rule
 
 __all__ = [
     "Approximation", "DofValues", "Gaussian", "GrowthState", "Law", "Order", "Ordering",
     "OwnLaw", "Parameter", "PointValues", "QuadraturePoints", "SecondVariation", "Shell",
     "ShellState", "WallPoint", "WallProperties", "Weight", "growth_laws", "hyperelasticity",
-    "own_energy", "own_growth_law", "structure_of",
+    "own_energy", "own_growth_law", "structure_of", "thickness_rule",
 ]  # fmt: skip

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
+from typing import Any, Literal
 
 from ..geometry import Array
 from .hyperelasticity import Material, scaled
 from .laws import Law, Parameter
 from .parameters import Parameters, values_of
+from .thickness_rule import thickness_rule
 
 # Keeps the pivots of the shear force off zero; beyond it V/V0 agrees with γ = 0 to 10 digits.
 _LARGEST_PENALTY = 1e8
@@ -56,8 +55,10 @@ class Approximation:
 
     Attributes
     ----------
-    order, thickness_points
-        Lagrange degree of displacement and rotation; number of Gauss points through the thickness.
+    order
+        Lagrange degree of displacement and rotation.
+    thickness_points, thickness_rule
+        Number of integration points through the thickness, and their rule: see `thickness_rule`.
     shear_penalty
         κ; an infinite κ enforces `γ = 0`.
     """
@@ -65,6 +66,7 @@ class Approximation:
     order: int
     thickness_points: int
     shear_penalty: float
+    thickness_rule: Literal["gauss", "clustered"] = "gauss"
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,7 @@ def distances(wall: WallProperties, approximation: Approximation) -> Array:
 
 
 def _rule(wall: WallProperties, approximation: Approximation) -> tuple[Array, Array]:
-    """Return points and weights of Gauss' rule through the thickness; a membrane has one point."""
-    points = approximation.thickness_points if wall.bending else 1
-    return np.polynomial.legendre.leggauss(points)
+    """Return points and weights of the rule through the thickness; a membrane has one point."""
+    if not wall.bending:
+        return thickness_rule(1, "gauss")
+    return thickness_rule(approximation.thickness_points, approximation.thickness_rule)

@@ -31,6 +31,7 @@ def structure_of(
         discretisation.ends,
         approximation.order,
         approximation.thickness_points,
+        approximation.thickness_rule,
         wall.bending,
         wall.energy_per_grown_volume,
         *(_kind_of_law(law) for law in (wall.energy, wall.growth_law, wall.thinning)),

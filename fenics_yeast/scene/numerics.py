@@ -3,15 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
+from .errors import refusal
 from .table import Table
 from .units import TIME, Time
 
 Grading = Literal["uniform", "graded"]
 Geometry = Literal["conical", "curved"]
+Rule = Literal["gauss", "clustered"]
 Integrator = Literal["forward-euler", "backward-euler", "sdirk2", "sdirk3"]
 
 
@@ -27,7 +29,8 @@ class Preset:
     order: int = 4
     grading: Grading = "graded"
     geometry: Geometry = "curved"
-    thickness_points: int = 9
+    thickness_points: int = 6
+    thickness_rule: Rule = "gauss"
     shear_penalty: float = 1000.0
     integrator: Integrator = "sdirk3"
     step: float | None = None
@@ -45,6 +48,7 @@ _PAPER = Preset(
 )
 PRESETS: Mapping[str, Preset] = MappingProxyType({"default": Preset(), "paper": _PAPER})
 
+_FEWEST_CLUSTERED = 3
 _STEP = replace(TIME, example='"0.2 min" or "adaptive"')
 
 
@@ -76,7 +80,10 @@ class Numerics(Table):
     grading: Grading = _preset("grading", "element sizes: uniform, or graded to zones and edges")
     geometry: Geometry = _preset("geometry", "meridian within an element: conical or curved")
     thickness_points: int = _preset(
-        "thickness_points", "number of through-thickness integration points", ge=1, le=16
+        "thickness_points", "number of through-thickness integration points", ge=1, le=24
+    )
+    thickness_rule: Rule = _preset(
+        "thickness_rule", "rule of these points: gauss, or clustered at the faces (from 3 points)"
     )
     shear_penalty: float = _preset(
         "shear_penalty", "shear penalty κ; inf: no shear (1)", gt=0, allow_inf_nan=True
@@ -87,3 +94,13 @@ class Numerics(Table):
         'fixed time step (min), or "adaptive" to follow the tolerance; in Python, None',
         gt=0,
     )
+
+    @model_validator(mode="after")
+    def _enough_to_cluster(self) -> Self:
+        if self.thickness_rule == "clustered" and self.thickness_points < _FEWEST_CLUSTERED:
+            raise refusal(
+                f"expected {_FEWEST_CLUSTERED} or more with thickness_rule = "
+                f'"clustered"; with fewer, use "gauss"',
+                key="thickness_points",
+            )
+        return self

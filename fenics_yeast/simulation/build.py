@@ -197,7 +197,12 @@ def wall_of(
 def approximation_of(scene: Scene) -> Approximation:
     """Return how the wall of a scene is approximated."""
     numerics = scene.numerics
-    return Approximation(numerics.order, numerics.thickness_points, numerics.shear_penalty)
+    return Approximation(
+        numerics.order,
+        numerics.thickness_points,
+        numerics.shear_penalty,
+        numerics.thickness_rule,
+    )
 
 
 def set_force(scene: Scene, shell: Shell) -> None:

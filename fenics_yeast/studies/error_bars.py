@@ -20,7 +20,7 @@ from ..solve import TABLEAUX
 Part = Literal["time_steps", "mesh", "thickness_points", "shear_penalty"]
 
 _FINER_MESH, _FINER_WALL = 1.5, 1.6
-_MOST_ELEMENTS, _MOST_POINTS = 100_000, 16  # that a scene may have
+_MOST_ELEMENTS, _MOST_POINTS = 100_000, 24  # that a scene may have
 _UNREACHED = "no error bars: the run reached none of its saved times"
 _PATH = "no error bars: an equilibrium path has no saved times"
 _WALL_ORDER = 2  # measured: the growth rate has a kink where stress passes the threshold
@@ -103,7 +103,7 @@ def _finer_time(scene: Scene) -> Refinement:
         return Refinement("time_steps", changes, _scale(1, 2, tableau.order))
     # The estimate, which the tolerance bounds, falls with another power than the error.
     changes = {"numerics.tolerance": numerics.tolerance / 10}
-    chosen = ("elements", "thickness_points", "shear_penalty")  # by the tolerance
+    chosen = ("elements", "thickness_points", "thickness_rule", "shear_penalty")  # by the tolerance
     changes |= {f"numerics.{key}": getattr(numerics, key) for key in chosen}
     return Refinement("time_steps", changes, _scale(1, 10, tableau.order / tableau.estimate_order))
 
@@ -120,7 +120,11 @@ def _finer_wall(scene: Scene) -> Refinement:
     numerics = scene.numerics
     points = _refined(numerics.thickness_points, _FINER_WALL, _MOST_POINTS)
     scale = _scale(numerics.thickness_points, points, _WALL_ORDER)
-    return Refinement("thickness_points", {"numerics.thickness_points": points}, scale)
+    changes = {
+        "numerics.thickness_points": points,
+        "numerics.thickness_rule": numerics.thickness_rule,
+    }
+    return Refinement("thickness_points", changes, scale)
 
 
 def _refined(n: int, ratio: float, most: int) -> int:

@@ -140,7 +140,11 @@ MALFORMED = {
     "one element": (replaced("480", "1"), ["numerics.elements = 1", ">= 2 and <= 100000"]),
     "too many elements": (replaced("480", "100_001"), ["elements = 100001", "<= 100000"]),
     "order 5": (replaced("order = 1", "order = 5"), ["numerics.order = 5", "<= 4"]),
-    "17 points": (replaced("points = 3", "points = 17"), ["thickness_points = 17", "<= 16"]),
+    "25 points": (replaced("points = 3", "points = 25"), ["thickness_points = 25", "<= 24"]),
+    "two clustered points": (
+        replaced("points = 3", 'points = 2\nthickness_rule = "clustered"'),
+        ["numerics.thickness_points = 2", "expected 3 or more", 'use "gauss"'],
+    ),
     "no step": (replaced('"0.2 min"', "0"), ["numerics.step = 0", "> 0", '"adaptive"']),
     "loose tolerance": (replaced("1e-4", "0.2"), ["numerics.tolerance = 0.2", "<= 0.1"]),
     "loose tolerance of a preset": (

@@ -116,7 +116,7 @@ def test_each_refinement_changes_one_setting(cell_scene):
 
 
 def test_a_setting_at_its_limit_is_compared_with_a_coarser_one(cell_scene):
-    most = {"numerics.thickness_points": 16, "numerics.elements": 100_000}
+    most = {"numerics.thickness_points": 24, "numerics.elements": 100_000}
     scene = cell_scene.with_values(most)
     finer = {refinement.part: refinement for refinement in refinements(scene)}
     for part, key in (("thickness_points", "thickness_points"), ("mesh", "elements")):
