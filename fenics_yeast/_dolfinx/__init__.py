@@ -17,6 +17,7 @@ from .compile import (
     compile_form,
 )
 from .spaces import (
+    argument_space,
     circumferential_space,
     dof_array,
     dof_places,
@@ -32,6 +33,7 @@ from .spaces import (
     node_dofs,
     quadrature_points,
     quadrature_space,
+    quadrature_weights,
     shell_space,
     size_of,
     size_of_second,
@@ -42,6 +44,7 @@ __all__ = [
     "MPI",
     "PETSc",
     "accumulate",
+    "argument_space",
     "assemble_matrix",
     "assemble_scalar",
     "assemble_vector",
@@ -68,6 +71,7 @@ __all__ = [
     "node_dofs",
     "quadrature_points",
     "quadrature_space",
+    "quadrature_weights",
     "shell_space",
     "size_of",
     "size_of_second",
