@@ -90,4 +90,8 @@ class EvaluatedFunction:
 
     def update(self) -> None:
         """Evaluate the scalars in the trial state."""
-        self._values[self._dofs] = self._evaluate()
+        self.set(self._evaluate())
+
+    def set(self, values: Array) -> None:
+        """Set the values that the scalars have, known from elsewhere."""
+        self._values[self._dofs] = values.reshape(self._dofs.shape)

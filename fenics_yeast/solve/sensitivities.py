@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -170,22 +171,26 @@ class ForwardSensitivities:
 
     def _solve(self, stage: _Stage, base: Array) -> Array:
         """Solve for the derivatives of the state in a stage; return those of the growth strains."""
-        forms = self._forms
+        forms, tangents, length = self._forms, self._shell.forms, stage.length
         by_dofs = forms.by_state()
         N = self._changes @ forms.by_coefficient()
         if self._shell.growth is None:
-            self._solve_equilibrium(by_dofs, N, stage.time)
+            self._solve_equilibrium(tangents.tangent, by_dofs, N, stage.time)
             return base
         growth = forms.by_growth()
-        inverse = _inverse(np.eye(2) - stage.length * growth.rate_by_growth)
+        inverse = _inverse(np.eye(2) - length * growth.rate_by_growth)
         rates = self._growing_changes @ growth.rate_by_coefficient
-        eps_g = _times(inverse, base + stage.length * rates)
-        through = eps_g @ growth.resultants_by_growth.swapaxes(1, 2)
+        eps_g = _times(inverse, base + length * rates)
+        by_growth = growth.resultants_by_growth.swapaxes(1, 2)
         grown = N[forms.grows, ..., : forms.strains]
-        N[forms.grows, ..., : forms.strains] = grown + through.reshape(grown.shape)
-        self._solve_equilibrium(by_dofs, N, stage.time)
-        rates = self._strains(by_dofs) @ growth.rate_by_strain
-        return eps_g + stage.length * _times(inverse, rates)
+        N[forms.grows, ..., : forms.strains] = grown + (eps_g @ by_growth).reshape(grown.shape)
+        if not length:
+            self._solve_equilibrium(tangents.tangent, by_dofs, N, stage.time)
+            return eps_g
+        by_strain = length * _times(inverse, growth.rate_by_strain)
+        tangents.set_response((by_strain @ by_growth).swapaxes(1, 2))
+        self._solve_equilibrium(tangents.consistent_tangent, by_dofs, N, stage.time)
+        return eps_g + self._strains(by_dofs) @ by_strain
 
     def _explicit(self, duration: float, eps_g: Array) -> Array:
         """Return the derivatives of the growth by the present rate, over a duration in min."""
@@ -203,13 +208,13 @@ class ForwardSensitivities:
         strains = here.reshape(elements, points * count, dofs) @ moved
         return strains.reshape(elements * points, count, len(self.w)).swapaxes(1, 2)
 
-    def _solve_equilibrium(self, by_dofs: Array, N: Array, time: float) -> None:
+    def _solve_equilibrium(self, tangent: Any, by_dofs: Array, N: Array, time: float) -> None:
         """Solve for the derivatives of the DOFs, from those of resultants and pressure."""
         elements, dofs = self._dofs.shape  # every rank has some
         weighted = (by_dofs * self._area).reshape(elements, -1, dofs)
         forces = N.swapaxes(1, 2).reshape(elements, N.shape[2], -1) @ weighted
         equations, places = self._equations, self._dofs.ravel()
-        equations.tangent()
+        dx.assemble_matrix(equations.matrix, tangent, self._shell.conditions)
         self._solver.setOperators(equations.matrix)
         for k, pressure in enumerate(self._pressures):
             force = np.bincount(places, forces[:, k].ravel(), minlength=self.w.shape[1])
@@ -232,9 +237,10 @@ def _times(matrices: Array, vectors: Array) -> Array:
 
 def _inverse(matrices: Array) -> Array:
     """Return the inverses of 2 by 2 matrices."""
-    (a, b), (c, d) = np.moveaxis(matrices, (-2, -1), (0, 1))
+    a, b = matrices[..., 0, 0], matrices[..., 0, 1]
+    c, d = matrices[..., 1, 0], matrices[..., 1, 1]
     inverse = np.empty_like(matrices)
     inverse[..., 0, 0], inverse[..., 0, 1] = d, -b
     inverse[..., 1, 0], inverse[..., 1, 1] = -c, a
-    inverse /= (a * d - b * c)[..., None, None]
+    inverse *= 1 / (a * d - b * c)[..., None, None]
     return inverse
