@@ -18,6 +18,7 @@ from .compile import (
     compiled_together,
 )
 from .spaces import (
+    argument_space,
     circumferential_space,
     dof_array,
     dof_places,
@@ -33,6 +34,7 @@ from .spaces import (
     node_dofs,
     quadrature_points,
     quadrature_space,
+    quadrature_weights,
     shell_space,
     size_of,
     size_of_second,
@@ -43,6 +45,7 @@ __all__ = [
     "MPI",
     "PETSc",
     "accumulate",
+    "argument_space",
     "assemble_matrix",
     "assemble_scalar",
     "assemble_vector",
@@ -70,6 +73,7 @@ __all__ = [
     "node_dofs",
     "quadrature_points",
     "quadrature_space",
+    "quadrature_weights",
     "shell_space",
     "size_of",
     "size_of_second",

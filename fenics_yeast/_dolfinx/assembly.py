@@ -15,9 +15,14 @@ cpp = dolfinx.cpp.fem
 def evaluator(
     expression: Any, mesh: Any, elements: NDArray[np.int32]
 ) -> Callable[[], NDArray[np.float64]]:
-    """Return what evaluates a compiled expression, shape ``(elements, points size)``."""
+    """Return what evaluates a compiled expression, shape ``(elements, points size)``.
+
+    The size of an expression with a test function includes the number of its DOFs.
+    """
     if not EVAL_ON_MESH:  # dolfinx 0.5, without the checks of its wrapper
-        shape = len(elements), len(expression.X()) * expression.value_size
+        argument = expression.argument_function_space
+        dofs = 1 if argument is None else argument.element.space_dimension
+        shape = len(elements), len(expression.X()) * expression.value_size * dofs
         compiled = expression._cpp_object
 
         def evaluate() -> NDArray[np.float64]:

@@ -189,6 +189,24 @@ def quadrature_points(degree: int) -> NDArray[np.float64]:
     return np.asarray(points)
 
 
+def quadrature_weights(degree: int) -> NDArray[np.float64]:
+    """Return the weights of the default rule on the reference interval, shape ``(n,)``."""
+    _, weights = basix.make_quadrature(basix.CellType.interval, degree)
+    return np.asarray(weights)
+
+
+def argument_space(space: Any) -> Any:
+    """Return a space with the same DOFs on an element for the test function of an expression.
+
+    Expressions of dolfinx 0.5 take no argument of a space of vectors, but one of a mixed space.
+    """
+    if is_mixed(space):
+        return space
+    element = space.ufl_element()
+    mixed = ufl.MixedElement if basix_ufl is None else basix_ufl.mixed_element
+    return _space(space.mesh, mixed([element]))
+
+
 def dof_array(space: Any) -> NDArray[np.int32]:
     """Return the unrolled local DOFs of each element, shape ``(elements, DOFs)``."""
     dofmap = space.dofmap

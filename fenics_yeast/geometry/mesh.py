@@ -28,6 +28,9 @@ class Discretisation:
         What the lower and the upper end are: a pole, a free edge, or the support of an edge.
     loaded
         Arc length in µm of the node at which a force acts; None without a force.
+    counts
+        Numbers of elements between places that must be nodes, from the lower end; with a septum,
+        of both pieces.
     """
 
     curve: Curve
@@ -36,6 +39,7 @@ class Discretisation:
     ends: tuple[End, End] = ("pole", "pole")
     wall_zones: tuple[Intervals, ...] = ()
     loaded: float | None = None
+    counts: tuple[int, ...] = ()
 
     @property
     def ends_at(self) -> tuple[float, float]:
@@ -49,8 +53,12 @@ class Discretisation:
 
 
 def place_nodes(
-    length: float, fixed: Sequence[float], elements: int, density: Callable[[Array], Array]
-) -> Array:
+    length: float,
+    fixed: Sequence[float],
+    elements: int,
+    density: Callable[[Array], Array],
+    counts: Sequence[int] = (),
+) -> tuple[Array, tuple[int, ...]]:
     """Place the nodes of a given number of elements by a density, some of them at fixed places.
 
     Parameters
@@ -63,11 +71,20 @@ def place_nodes(
         Number of elements; at least one lies between two fixed places.
     density
         Relative number of elements per length at arc lengths, positive.
+    counts
+        Numbers of elements between the fixed places; by default those nearest to the density.
 
     Returns
     -------
     Array
         Increasing arc lengths in µm, shape ``(elements + 1,)``.
+    tuple of int
+        The numbers of elements between the fixed places.
+
+    Raises
+    ------
+    ValueError
+        If there are not as many counts as parts between the fixed places.
     """
     ends = np.array([0.0, *sorted(fixed), length])
     parts = []
@@ -75,10 +92,14 @@ def place_nodes(
         S = np.linspace(start, end, 2001)
         rho = density((S[1:] + S[:-1]) / 2) * np.diff(S)
         parts.append((S, np.concatenate([[0.0], np.cumsum(rho)])))
-    counts = _apportion(np.array([total[-1] for _, total in parts]), max(elements, len(parts)))
+    if not counts:
+        shares = np.array([total[-1] for _, total in parts])
+        counts = _apportion(shares, max(elements, len(parts))).tolist()
+    if len(counts) != len(parts):
+        raise ValueError(f"{len(counts)} numbers of elements for {len(parts)} parts")
     nodes = [np.interp(np.linspace(0, total[-1], n + 1)[:-1], total, S)
              for n, (S, total) in zip(counts, parts, strict=True)]  # fmt: skip
-    return np.concatenate([*nodes, [length]])
+    return np.concatenate([*nodes, [length]]), tuple(counts)
 
 
 def _apportion(shares: Array, total: int) -> NDArray[np.int64]:

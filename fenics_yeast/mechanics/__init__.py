@@ -8,17 +8,18 @@ from .circumferential import SecondVariation
 from .growth_laws import WallPoint
 from .growth_state import GrowthState
 from .growth_weights import Gaussian, Weight
-from .laws import Law, OwnLaw, Parameter, own_energy, own_growth_law
+from .laws import Coefficient, Law, OwnLaw, Parameter, own_energy, own_growth_law
 from .ordering import DofValues, Order, Ordering, PointValues
 from .quadrature import QuadraturePoints
-from .section import Approximation, WallProperties
+from .section import Approximation, WallProperties, coefficients
 from .shell import Shell, ShellState
 from .structure import structure_of
 from .thickness_rule import thickness_rule
 
 __all__ = [
-    "Approximation", "DofValues", "Gaussian", "GrowthState", "Law", "Order", "Ordering",
-    "OwnLaw", "Parameter", "PointValues", "QuadraturePoints", "SecondVariation", "Shell",
-    "ShellState", "WallPoint", "WallProperties", "Weight", "growth_laws", "hyperelasticity",
-    "own_energy", "own_growth_law", "structure_of", "thickness_rule",
+    "Approximation", "Coefficient", "DofValues", "Gaussian", "GrowthState", "Law", "Order",
+    "Ordering", "OwnLaw", "Parameter", "PointValues", "QuadraturePoints", "SecondVariation",
+    "Shell", "ShellState", "WallPoint", "WallProperties", "Weight", "coefficients",
+    "growth_laws", "hyperelasticity", "own_energy", "own_growth_law", "structure_of",
+    "thickness_rule",
 ]  # fmt: skip

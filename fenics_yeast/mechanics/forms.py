@@ -8,6 +8,7 @@ import numpy as np
 import ufl
 
 from .. import _dolfinx as dx
+from ..geometry import Array
 from . import growth_laws
 from .deformation import Deformation, resultants
 from .growth_state import GrowthState
@@ -95,6 +96,14 @@ class Forms:
         """Update `consistent_tangent` and `stage_force` to the trial state."""
         self._dN_dE.update()
         self._dN_dstage.update()
+
+    def set_response(self, by_strain: Array) -> None:
+        """Update `consistent_tangent`, where this response of growth is known.
+
+        `by_strain` is the derivative of the resultants by the strains through the growth update at
+        the points of the growing elements, shape ``(points, strains, strains)``.
+        """
+        self._dN_dE.set(by_strain)
 
     def _lagrangian(self) -> Any:
         """Return the density of Π without strain energy: shear and pressure."""

@@ -10,9 +10,10 @@ from ufl.core.expr import Expr
 from ..geometry import Array
 from .growth_weights import Weights
 
-Parameter = float | Callable[[Array], Array] | Weights
-"""A number, a function of the reference arc length in µm (arrays of one shape in and out), or
-weights that change in time."""
+Coefficient = float | Callable[[Array], Array]
+"""A number, or a function of the reference arc length in µm (arrays of one shape in and out)."""
+Parameter = Coefficient | Weights
+"""A coefficient of the forms, or weights that change in time."""
 
 
 @dataclass(frozen=True)

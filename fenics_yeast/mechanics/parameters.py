@@ -1,13 +1,16 @@
 """The values in the forms of a wall, by name: constants, and functions of the arc length."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
+import ufl
 
 from .. import _dolfinx as dx
 from .laws import Law, Parameter
 from .quadrature import QuadraturePoints
+
+GROWTH = "growth."  # before the names of a growth law's parameters
 
 
 class Parameters:
@@ -36,6 +39,19 @@ class Parameters:
         """Return the function of a law, in UFL, with its parameters of a kind and its weights."""
         own = {name: self[f"{kind}.{name}"] for name in law.parameters if name not in weights}
         return lambda argument: law.function(argument, **own, **weights)
+
+    def vary(self, names: Iterable[str]) -> tuple[list[Any], dict[Any, Any]]:
+        """Return some coefficients as UFL variables, and a substitution that puts them in place."""
+        variables, substitution = [], {}
+        for name in names:
+            coefficient = self[name]
+            variable = ufl.variable(coefficient)
+            variables.append(variable)
+            if isinstance(coefficient, ufl.indexed.Indexed):  # a function of one component
+                substitution[coefficient.ufl_operands[0]] = ufl.as_vector([variable])
+            else:
+                substitution[coefficient] = variable
+        return variables, substitution
 
     def set(self, values: Mapping[str, Parameter], points: QuadraturePoints) -> None:
         """Set the values of another wall of the same structure, at its quadrature points."""

@@ -40,6 +40,12 @@ class QuadraturePoints:
         start, end = self.ends[:, :1], self.ends[:, 1:]
         return start + (end - start) * dx.quadrature_points(self.degree).ravel()
 
+    @cached_property
+    def weights(self) -> Array:
+        """Lengths in µm that the points stand for, shape ``(elements, points)``."""
+        length = self.ends[:, 1:] - self.ends[:, :1]
+        return length * dx.quadrature_weights(self.degree)
+
     @property
     def owned(self) -> NDArray[np.bool_]:
         """Which of the elements this rank owns."""
@@ -64,8 +70,14 @@ class QuadraturePoints:
 
     def compile(self, values: Sequence[Any]) -> Callable[[], Array]:
         """Compile UFL scalars; return what evaluates them, shape ``(elements, points values)``."""
-        places = dx.quadrature_points(self.degree)
-        expression = dx.compile_expression(ufl.as_vector(list(values)), places)
+        return self.compile_vector(ufl.as_vector(list(values)))
+
+    def compile_vector(self, vector: Any) -> Callable[[], Array]:
+        """Compile a UFL vector, which may be linear in a test function; return what evaluates it.
+
+        The shape is ``(elements, points values)``, with a test function times its DOFs.
+        """
+        expression = dx.compile_expression(vector, dx.quadrature_points(self.degree))
         return dx.evaluator(expression, self.mesh, self.elements)
 
 
@@ -78,4 +90,8 @@ class EvaluatedFunction:
 
     def update(self) -> None:
         """Evaluate the scalars in the trial state."""
-        self._values[self._dofs] = self._evaluate()
+        self.set(self._evaluate())
+
+    def set(self, values: Array) -> None:
+        """Set the values that the scalars have, known from elsewhere."""
+        self._values[self._dofs] = values.reshape(self._dofs.shape)

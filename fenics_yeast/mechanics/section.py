@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from ..geometry import Array
 from .hyperelasticity import Material, scaled
-from .laws import Law, Parameter
+from .laws import Coefficient, Law, Parameter
 from .parameters import Parameters, values_of
 from .thickness_rule import thickness_rule
 
@@ -131,6 +131,15 @@ def section_values(
     if wall.modulus_ratio is not None:
         values["modulus_ratio"] = wall.modulus_ratio
     return values
+
+
+def coefficients(
+    wall: WallProperties, approximation: Approximation, rotation: float
+) -> dict[str, Coefficient]:
+    """Return the coefficients of a wall's forms: of its section and of its growth law."""
+    values = section_values(wall, approximation, rotation)
+    values |= values_of(wall.growth_law, "growth")
+    return {name: x for name, x in values.items() if not isinstance(x, tuple)}
 
 
 def distances(wall: WallProperties, approximation: Approximation) -> Array:

@@ -1,6 +1,6 @@
 """One discretised wall: its unknowns, growth strains, loads and forms."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,11 +17,12 @@ from .forms import Forms
 from .growth_laws import WallPoint
 from .growth_state import GrowthState
 from .growth_weights import WeightField
-from .laws import Law, Parameter
+from .laws import Coefficient, Law
 from .loads import NodalForce
-from .parameters import Parameters, values_of
+from .parameter_derivatives import ParameterDerivatives
+from .parameters import Parameters
 from .reference import Reference
-from .section import Approximation, Section, WallProperties, distances, section_values
+from .section import Approximation, Section, WallProperties, coefficients, distances
 
 _NO_VOLUME = 1e-9  # in parts of a hemisphere's
 _RADIUS = 2.5  # µm, of a wall whose rotation has the unit 1 rad
@@ -118,6 +119,7 @@ class Shell:
         law = wall.growth_law
         self.growth = None if law is None else self._growth_state(law, deformation)
         self.forms = Forms(reference, section, self.w, deformation, self.pressure, self.growth)
+        self._derivatives: dict[tuple[str, ...], ParameterDerivatives] = {}
         self._place()
 
     def reset(
@@ -136,7 +138,9 @@ class Shell:
             self.growth.reset(self.growing_points, [*wall.growth_law.weights.values()])
         self._place()
 
-    def _describe(self, wall: WallProperties, approximation: Approximation) -> dict[str, Parameter]:
+    def _describe(
+        self, wall: WallProperties, approximation: Approximation
+    ) -> dict[str, Coefficient]:
         """Take over the sizes of a wall; return the parameters of its forms."""
         reference = self._reference
         self.discretisation = reference.discretisation
@@ -146,9 +150,7 @@ class Shell:
         self.radius = self._largest_radius()
         self.rotation = _RADIUS / self.radius
         self.xi = distances(wall, approximation)
-        values = section_values(wall, approximation, self.rotation)
-        growth = values_of(wall.growth_law, "growth")
-        return values | {name: x for name, x in growth.items() if not isinstance(x, tuple)}
+        return coefficients(wall, approximation, self.rotation)
 
     def _place(self) -> None:
         """Find the loaded node, and the volume of the unloaded wall."""
@@ -169,6 +171,16 @@ class Shell:
             self.growth,
             self._order,
         )
+
+    def parameter_derivatives(self, names: Sequence[str]) -> ParameterDerivatives:
+        """Return the derivatives by some parameters of the forms, compiled once for the shell."""
+        key = tuple(names)
+        if key not in self._derivatives:
+            parts = self._deformation, self.growth, self._parameters
+            self._derivatives[key] = ParameterDerivatives(
+                self._reference, self._section, self.w, *parts, key
+            )
+        return self._derivatives[key]
 
     @cached_property
     def point_fields(self) -> Callable[[], Array]:
@@ -221,6 +233,16 @@ class Shell:
     def volume(self) -> float:
         """Return the volume enclosed by the mid-surface in the trial state, µm³."""
         return dx.assemble_scalar(self.forms.volume, self.comm)
+
+    def volume_changes(self, changes: Array) -> Array:
+        """Return the changes of the volume in µm³ by those of the state, to first order.
+
+        `changes` has the shape ``(n, DOFs)``, ghosts among them.
+        """
+        gradient = np.zeros(changes.shape[1])  # at ghosts, what this rank adds to their owners
+        dx.assemble_vector(gradient, self.forms.volume_gradient)
+        found = 2 * np.pi * changes @ gradient
+        return found if self.comm.size == 1 else np.asarray(self.comm.allreduce(found))
 
     def dissipation_rate(self) -> float:
         """Return the dissipation of growth (12) in the trial state, µm³ MPa/min."""

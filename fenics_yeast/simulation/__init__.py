@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 from .buckling_mode import BucklingMode
 from .discretise import discretise
 from .history import COLUMNS, Digest, History, Row
+from .kinks import kinks
 from .observers import Observers
 from .profiles import Profile, Profiles
 from .ranks import RootError, on_root
+from .replay import Replay
 from .result import (
     ANSWERS,
     EXIT_STATUS,
@@ -22,21 +24,23 @@ from .result import (
     Status,
     Timings,
 )
+from .sensitivities import Sensitivities
 from .separation import pieces
 
 if TYPE_CHECKING:
     from .buckling import buckling_modes
     from .build import build_shell
     from .checkpoint import Checkpoint, CheckpointError, ResumePoint
+    from .directions import has_exact_sensitivity
     from .shell_pool import ShellPool
     from .simulation import Simulation, simulate
 
 __all__ = [
     "ANSWERS", "COLUMNS", "EXIT_STATUS", "Bifurcation", "BucklingMode", "Checkpoint",
     "CheckpointError", "Digest", "ErrorBars", "ErrorEstimate", "History", "Observer",
-    "Observers", "Profile", "Profiles", "Result", "ResumePoint", "RootError", "Row",
-    "ShellPool", "Simulation", "Status", "Timings", "buckling_modes", "build_shell", "discretise",
-    "on_root", "pieces", "simulate",
+    "Observers", "Profile", "Profiles", "Replay", "Result", "ResumePoint", "RootError", "Row",
+    "Sensitivities", "ShellPool", "Simulation", "Status", "Timings", "buckling_modes",
+    "build_shell", "discretise", "has_exact_sensitivity", "kinks", "on_root", "pieces", "simulate",
 ]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.
@@ -48,6 +52,7 @@ _LATE = {
     "ResumePoint": "checkpoint",
     "ShellPool": "shell_pool",
     "build_shell": "build",
+    "has_exact_sensitivity": "directions",
     "simulate": "simulation",
 }
 

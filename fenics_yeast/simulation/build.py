@@ -151,11 +151,12 @@ def build_shell(
     *,
     energy: OwnLaw | None = None,
     growth_law: OwnLaw | None = None,
+    counts: Sequence[int] = (),
 ) -> Shell:
     """Return the unloaded shell of a scene, on all ranks of a communicator.
 
     By default, all ranks of the world share the wall. Laws of the user's own replace those of the
-    scene; a growth law needs a scene with a growing zone.
+    scene; a growth law needs a scene with a growing zone. `counts` are as in `discretise`.
 
     Raises
     ------
@@ -164,7 +165,7 @@ def build_shell(
     """
     if scene.growth is None and growth_law is not None:
         raise ValueError("a growth law needs a scene with a table [growth] that gives its zone")
-    mesh = discretise(scene)
+    mesh = discretise(scene, counts)
     wall = wall_of(scene, mesh, energy, growth_law)
     comm = dx.MPI.COMM_WORLD if comm is None else comm
 

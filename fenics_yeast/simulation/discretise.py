@@ -26,8 +26,17 @@ from ..scene import Scene
 _NEAREST = 1e-3  # part of the width of a tip down to which elements get smaller towards it
 
 
-def discretise(scene: Scene) -> Discretisation:
-    """Return the meridian, elements and zones of a scene."""
+def discretise(scene: Scene, counts: Sequence[int] = ()) -> Discretisation:
+    """Return the meridian, elements and zones of a scene.
+
+    `counts` are the numbers of elements between places that must be nodes, such as those of a
+    similar scene; by default they follow the density of elements.
+
+    Raises
+    ------
+    ValueError
+        If there are other numbers of such places and counts.
+    """
     curve, ends = scene.cell.curve, scene.cell.ends
     growing = [growth.zone.intervals(curve) for growth in scene.growing]
     walls = [zone.intervals(curve) for zone in scene.wall.zone]
@@ -53,7 +62,8 @@ def discretise(scene: Scene) -> Discretisation:
         density = _graded(curve.length, grows, layers, layer, points)
         near = [s for point in points for s in point.fixed]
         inner = apart([*inner, *(s for s in near if 0 < s < curve.length)])
-    nodes = place_nodes(curve.length, inner, scene.numerics.elements, density)
+    elements = scene.numerics.elements
+    nodes, counts = place_nodes(curve.length, inner, elements, density, counts)
     meridian, places = curve, nodes
     if scene.numerics.geometry == "conical":
         meridian = Polygon.inscribed(curve, nodes)
@@ -66,7 +76,7 @@ def discretise(scene: Scene) -> Discretisation:
     if loaded is not None:
         loaded = float(places[abs(nodes - loaded).argmin()])
     grown, walled = (tuple(map(at_nodes, zones)) for zones in (growing, walls))
-    whole = Discretisation(meridian, places, grown, ends, walled, loaded)
+    whole = Discretisation(meridian, places, grown, ends, walled, loaded, counts)
     if septum is None or scene.septum is None or scene.septum.piece is None:
         return whole
     return _piece(whole, int(abs(nodes - septum).argmin()), scene.septum.piece)

@@ -6,10 +6,11 @@ from dataclasses import astuple, dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..geometry import Array
 from . import tables
+from .interpolation import interpolate
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,8 @@ class History:
     ----------
     rows
         The rows, in order of time or along the path.
+    kinks
+        Times in min at which slopes jump, with pressure or growth.
     """
 
     time_min: Array
@@ -114,8 +117,9 @@ class History:
     displacement_um: Array
     unstable_waves: Array
 
-    def __init__(self, rows: Iterable[Row]) -> None:
+    def __init__(self, rows: Iterable[Row], kinks: Iterable[float] = ()) -> None:
         self.rows: Sequence[Row] = tuple(rows)
+        self.kinks = tuple(kinks)
         for name in COLUMNS:
             values = [getattr(row, name) for row in self.rows]
             setattr(self, name, np.array([np.nan if v is None else v for v in values]))
@@ -157,3 +161,19 @@ class History:
             if abs(row.time_min - time) <= 1e-9 * max(1.0, abs(time)):
                 return row
         raise KeyError(f"no accepted step at {time:g} min; add it to run.save")
+
+    def interpolate(self, column: str, times: ArrayLike) -> Array:
+        """Return a column at any times in min of a run, such as those of a measurement.
+
+        The error falls with the fourth power of the step size; kinks of the pressure and switches
+        of growth remain sharp.
+
+        Raises
+        ------
+        ValueError
+            If the column is unknown, or a time lies outside the run.
+        """
+        if column not in COLUMNS:
+            raise ValueError(f"no column {column}; choose one of {', '.join(COLUMNS)}")
+        values = np.asarray(getattr(self, column), dtype=float)
+        return interpolate(self.time_min, values, self.kinks, times)

@@ -21,6 +21,8 @@ from .outcome import (
 )
 from .recorder import Recorder
 
+_JUMP, _JUMP_RATIO = 0.1, 5.0  # change of the volume, and its ratio to that of the last step
+
 
 class LimitSearch:
     """Looks for a limit point between the accepted state and a time that no step reaches.
@@ -56,6 +58,21 @@ class LimitSearch:
         ratio = self._recorder.least_thickness(self._scene.wall)
         where = f"at {self._time:g} min" if self._time else "under the initial loads"
         return None if ratio is None else wall_thinned(ratio, where)
+
+    def jumped(self) -> bool:
+        """Whether the trial has a much larger change of volume than its change of pressure.
+
+        Such a state lies beyond a limit point, on another part of the equilibrium path.
+        """
+        rows, shell = self._recorder.rows, self._stepper.shell
+        last, before = rows[-1], rows[max(0, len(rows) - 2)]
+        slope = last.pressure_MPa - before.pressure_MPa
+        change = shell.volume() - last.volume_um3
+        if slope == 0 or abs(change) < _JUMP * shell.reference_volume:
+            return False
+        part = (float(shell.pressure.value) - last.pressure_MPa) / slope
+        expected = part * (last.volume_um3 - before.volume_um3)
+        return part > 0 and abs(change) > _JUMP_RATIO * abs(expected)
 
     def find(self, end: float) -> Generator[Row, None, Outcome | None]:
         """Return how the wall loses its equilibrium on the way to a time; None if it does not."""

@@ -65,6 +65,35 @@ class Measurements:
         below, above, *others = np.where(np.isfinite(largest), largest, 0.0).tolist()
         return Sizes(above + below, *others)
 
+    def size_changes(self, changes: Array) -> Array:
+        """Return the changes of pole height, bud and neck radius in µm by those of the state.
+
+        They are those to first order at the nodes where the sizes are largest; 0 for sizes that
+        the wall lacks.
+
+        Parameters
+        ----------
+        changes
+            Changes of the DOFs, shape ``(n, DOFs)``.
+
+        Returns
+        -------
+        Array
+            Shape ``(3, n)``.
+        """
+        largest = np.full(4, -np.inf)
+        moved = np.zeros((4, len(changes)))
+        for i, (X, dofs, sign) in enumerate(self._watched):
+            if len(X):
+                values = sign * (X + self._w[dofs])
+                node = int(values.argmax())
+                largest[i], moved[i] = values[node], sign * changes[:, dofs[node]]
+        if self._shell.comm.size > 1:
+            everywhere = self._shell.comm.allgather((largest, moved))
+            where = np.argmax([each for each, _ in everywhere], axis=0)
+            moved = np.array([everywhere[rank][1][i] for i, rank in enumerate(where)])
+        return np.stack([moved[0] + moved[1], moved[2], moved[3]])
+
     def in_contact(self) -> bool:
         """Whether the wall touches itself."""
         shell, motion = self._shell, self._w[self._dofs[:, :2]]

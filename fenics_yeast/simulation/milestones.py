@@ -6,24 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..scene import PressureTable, Scene
-from ..solve import StepController, same_time
+from ..scene import Scene
+from ..solve import GivenSteps, StepController, same_time
+from .kinks import kinks
 
 _FIRST_STEP = 1e-3  # of the characteristic growth time, where steps are adaptive
 _PARTS = 4  # of a change of pressure, in which growth may begin unseen by estimates of errors
-
-
-def switches(scene: Scene) -> list[float]:
-    """Return the times in min at which growth begins or ends in a zone."""
-    return sorted(time for zone in scene.growing for time in zone.span)
-
-
-def kinks(scene: Scene) -> list[float]:
-    """Return the times in min at which the pressure's slope changes, or growth switches."""
-    pressure, end = scene.turgor.pressure, scene.run.end if scene.run else 0.0
-    times = pressure.ramps[0] if isinstance(pressure, PressureTable) else ()
-    inside = (t for t in (*times, *switches(scene)) if 0 < t < end)
-    return sorted([min(scene.turgor.ramp, end), *inside])
 
 
 def memory(scene: Scene) -> int:
@@ -32,7 +20,10 @@ def memory(scene: Scene) -> int:
 
 
 def step_controller(
-    scene: Scene, pressure: Callable[[float], float], estimate_order: int
+    scene: Scene,
+    pressure: Callable[[float], float],
+    estimate_order: int,
+    given: Sequence[float] = (),
 ) -> StepController:
     """Return the control of fixed steps, or of steps that follow the estimated error of growth.
 
@@ -44,7 +35,11 @@ def step_controller(
         Turgor in MPa as a function of time in min.
     estimate_order
         Order of the method's estimated error.
+    given
+        Times in min at which the steps must end, those of an earlier run.
     """
+    if given:
+        return GivenSteps(given)
     run, numerics, growth_time = scene.run, scene.numerics, scene.growth_time
     places = kinks(scene)
     milestones = [] if run is None else [*places, *run.save, run.end]

@@ -9,10 +9,12 @@ from time import perf_counter
 from .. import _dolfinx as dx
 from ..mechanics import Shell, ShellState
 from ..scene import AnyWall, LinearWall
+from ..solve import ForwardSensitivities
 from .buckling_mode import BucklingMode
 from .history import Digest, Row
 from .measurements import Measurements
 from .profiles import Profile
+from .sensitivity_recorder import SensitivityRecorder
 from .softening import least_thickness, softest_stretch
 
 _MOVED = 5e-3  # of the volume at constant turgor, after which the wall may touch itself
@@ -44,6 +46,7 @@ class Recorder:
 
     `rows` and `profiles` are complete on rank 0; other ranks have only the rows. `news` has those
     that have not been published yet. `contact`, `bifurcation` and `mode` are as in `RecorderState`.
+    `sensitivities` records the derivatives of each row, if they are requested.
     """
 
     def __init__(self, shell: Shell) -> None:
@@ -59,6 +62,12 @@ class Recorder:
         self.mode: BucklingMode | None = None
         self._digest = Digest()
         self.output_s = 0.0
+        self.sensitivities: SensitivityRecorder | None = None
+
+    @property
+    def follower(self) -> ForwardSensitivities | None:
+        """What follows the steps of the shell."""
+        return None if self.sensitivities is None else self.sensitivities.follower
 
     def state(self) -> RecorderState:
         """Return how much has been recorded."""
@@ -109,6 +118,8 @@ class Recorder:
             self.contact = len(self.rows)
         if unstable is not None:
             self.pass_bifurcation(unstable)
+        if self.sensitivities is not None:
+            self.sensitivities.record(time)
         self.rows.append(row)
         self._digest.add(row)
         self.news.append(row)

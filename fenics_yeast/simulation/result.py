@@ -10,6 +10,7 @@ from . import tables
 from .buckling_mode import BucklingMode
 from .history import History, Row
 from .profiles import Profile, Profiles
+from .sensitivities import Sensitivities
 
 Status = Literal["finished", "no-equilibrium", "unbounded", "failed", "interrupted"]
 
@@ -166,6 +167,8 @@ class Result:
         Where the first equilibrium is unstable; None if all are stable.
     mode
         The mode that falls there; None if it is unknown.
+    sensitivities
+        Derivatives of the history by parameters, if they were requested.
     """
 
     history: History
@@ -183,6 +186,7 @@ class Result:
     error_bars: ErrorBars | None = None
     bifurcation: Bifurcation | None = None
     mode: BucklingMode | None = None
+    sensitivities: Sensitivities | None = None
 
     def __repr__(self) -> str:
         return (

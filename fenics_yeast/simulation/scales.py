@@ -6,6 +6,9 @@ _ROUND_OFF = 1e-12  # of the nodal forces, for those that would double the wall'
 _LEAST = 2e-9  # relative residual; smaller ones are lost in round-off where growth is large
 # Relative residual: a part of the tolerance, but not so large that steps of growth would fail.
 _PART, _MOST = 0.2, 5e-5
+# Relative residual of a run that repeats the long steps of another one: where growth begins within
+# the wall in such a step, growth strains are solved to no more than this.
+_REPEATED = 1e-7
 
 
 def pressure_scale(scene: Scene) -> float:
@@ -27,9 +30,15 @@ def force_scale(scene: Scene) -> float:
     return stiffness * length_scale(scene)
 
 
-def residual_tolerance(scene: Scene, nodes: int) -> float:
-    """Return the norm of the residual in µN that counts as zero, on a number of nodes."""
-    return _precision(scene) * _load(scene, nodes)
+def residual_tolerance(scene: Scene, nodes: int, given: bool = False) -> float:
+    """Return the norm of the residual in µN that counts as zero, on a number of nodes.
+
+    `given` says that the run repeats given steps.
+    """
+    precision = _precision(scene)
+    if given and scene.growth is not None:
+        precision = min(_REPEATED, precision)
+    return precision * _load(scene, nodes, precision)
 
 
 def _precision(scene: Scene) -> float:
@@ -39,7 +48,7 @@ def _precision(scene: Scene) -> float:
     return 1e-8 if fixed else max(_LEAST, min(_MOST, _PART * numerics.tolerance))
 
 
-def _load(scene: Scene, nodes: int) -> float:
+def _load(scene: Scene, nodes: int, precision: float) -> float:
     """Return the size of the nodal forces in µN, but no smaller than round-off allows.
 
     Small loads may bend an open wall, and a force is small beside turgor.
@@ -47,7 +56,7 @@ def _load(scene: Scene, nodes: int) -> float:
     sizes = _pressures(scene)
     if scene.axial_load is not None or not scene.cell.closed:
         sizes = _pressures_of_open_wall(scene) + _pressures_of_force(scene)
-    least = _ROUND_OFF / _precision(scene) * pressure_scale(scene)
+    least = _ROUND_OFF / precision * pressure_scale(scene)
     return float(max(*sizes, least) * scene.cell.radius**2 / nodes**0.5)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from threading import Lock
 from typing import Any, Self
 
@@ -37,15 +37,18 @@ class ShellPool:
         with self._lock:
             self._idle.clear()
 
-    def borrow(self, scene: Scene, comm: Any = None) -> Shell:
-        """Return the unloaded shell of a scene, on all ranks of a communicator; collective."""
+    def borrow(self, scene: Scene, comm: Any = None, counts: Sequence[int] = ()) -> Shell:
+        """Return the unloaded shell of a scene, on all ranks of a communicator; collective.
+
+        `counts` are as in `discretise`.
+        """
         comm = dx.MPI.COMM_WORLD if comm is None else comm
-        mesh = discretise(scene)
+        mesh = discretise(scene, counts)
         parts = mesh, wall_of(scene, mesh), approximation_of(scene)
         key = structure_of(*parts, comm)
         shell = self._take(key)
         if shell is None:
-            shell = build_shell(scene, comm)
+            shell = build_shell(scene, comm, counts=counts)
         else:
             shell.reset(*parts)
             set_force(scene, shell)

@@ -1,7 +1,7 @@
 """Run a scene from start to end: by `simulate`, or step by step by `Simulation`."""
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import perf_counter
@@ -9,25 +9,27 @@ from typing import Any, Self
 
 from .. import _dolfinx as dx
 from ..mechanics import OwnLaw
-from ..scene import ProfileCell, Scene
+from ..scene import Scene
 from .build import build_shell
 from .checkpoint import Checkpoint, ResumePoint
 from .checkpointer import Checkpointer, local
-from .error_estimate import tolerance_warning
+from .directions import Model
+from .findings import first_bifurcation, warnings
 from .history import History, Row
 from .initial_state import set_initial_state
+from .kinks import kinks
 from .observers import Observers, Publisher, RowCallback
-from .outcome import Outcome, contact_warning, smoothing_warning, stability_note
+from .outcome import Outcome, stability_note
 from .profiles import Profile, Profiles
 from .ranks import OtherRanks, RootError
 from .recorder import Recorder
-from .result import Bifurcation, ErrorEstimate, Observer, Result, Timings
+from .replay import Replay
+from .result import Observer, Result, Timings
 from .scales import residual_tolerance
+from .sensitivity_recorder import SensitivityRecorder
 from .shell_pool import ShellPool
 from .static import Static
 from .transient import Transient
-
-_NOTABLE = 0.01  # stress error by smoothing a contour
 
 _LOG = logging.getLogger(__name__)
 
@@ -76,16 +78,21 @@ class Simulation:
         start: ResumePoint | None = None,
         keep: Callable[[Checkpoint], None] | None = None,
         shells: ShellPool | None = None,
+        sensitivities: Sequence[str] = (),
+        replay: Replay | None = None,
     ) -> None:
         self._began = perf_counter()
         scene = scene if isinstance(scene, Scene) else Scene.load(scene)
+        counts, steps = ((), ()) if replay is None else (replay.counts, replay.times)
+        scene = scene if replay is None else replay.applied_to(scene)
         self._scene = scene
         self._resources = resources = ExitStack()
         own = energy is not None or growth_law is not None
         if shells is None or own:
-            shell = build_shell(scene, comm, energy=energy, growth_law=growth_law)
+            laws = {"energy": energy, "growth_law": growth_law}
+            shell = build_shell(scene, comm, **laws, counts=counts)
         else:
-            shell = shells.borrow(scene, comm)
+            shell = shells.borrow(scene, comm, counts)
             resources.callback(shells.give_back, shell)
         self._shell, self._zones = shell, shell.discretisation.zones
         self._dofs = dx.size_of(shell.space)
@@ -95,14 +102,20 @@ class Simulation:
         self._publisher = Publisher(shell.comm, Observers(observers))
         if shell.comm.bcast(state is not None):
             set_initial_state(shell, state)
+        if sensitivities:
+            recorder.sensitivities = resources.enter_context(
+                SensitivityRecorder(
+                    Model(scene, energy, growth_law), shell, sensitivities, recorder.measurements
+                )
+            )
         compiled = perf_counter()
-        tolerance = residual_tolerance(scene, len(shell.discretisation.nodes))
+        tolerance = residual_tolerance(scene, len(shell.discretisation.nodes), bool(steps))
         self._others = resources.enter_context(OtherRanks(shell.comm))
         self._driver: Transient | Static
         if scene.path is not None:
             self._driver = Static(scene, scene.path, shell, recorder, tolerance, energy is None)
         else:
-            self._driver = Transient(scene, shell, recorder, tolerance, energy is None)
+            self._driver = Transient(scene, shell, recorder, tolerance, energy is None, steps)
         resources.enter_context(self._driver)
         self._before = Timings()
         if start is not None and isinstance(self._driver, Transient):
@@ -170,12 +183,14 @@ class Simulation:
     def result(self) -> Result:
         """Result so far; its status is interrupted until the run has ended."""
         rows, recorder = self._recorder.rows, self._recorder
+        derivatives = recorder.sensitivities
         outcome = self._outcome or Outcome("interrupted", f"at {self._time:g} min so far")
         status, message = outcome.status, outcome.message
         note = stability_note(rows, recorder.bifurcation)
         estimate = self._driver.estimate_error()
+        history = History(rows, kinks(self._scene))
         return Result(
-            history=History(rows),
+            history=history,
             profiles=Profiles(tuple(recorder.profiles), self._zones),
             status=status,
             message=message + ("" if status == "failed" else note),
@@ -186,35 +201,11 @@ class Simulation:
             newton_iterations=recorder.iterations,
             timings=self._timings(),
             error_estimate=estimate,
-            warnings=tuple(self._warnings(estimate)),
-            bifurcation=self._bifurcation(),
+            warnings=tuple(warnings(self._scene, recorder, self._outcome, estimate)),
+            bifurcation=first_bifurcation(self._scene, recorder),
             mode=recorder.mode,
+            sensitivities=None if derivatives is None else derivatives.result(history),
         )
-
-    def _bifurcation(self) -> Bifurcation | None:
-        if not self._recorder.bifurcation:
-            return None
-        (step, waves), path = self._recorder.bifurcation, self._scene.path
-        if not self._recorder.rows[step].stable:
-            return None  # the first state is unstable already
-        control = "time" if path is None else path.control
-        return Bifurcation.at(self._recorder.rows[step], step, waves, control)
-
-    def _warnings(self, estimate: ErrorEstimate) -> Iterator[str]:
-        """Yield what must be known of the run even if it ended well."""
-        finished = self._outcome is not None and self._outcome.status == "finished"
-        inaccurate = tolerance_warning(self._scene, estimate)
-        if finished and inaccurate is not None:  # V/V0 has no error where it becomes infinite
-            yield inaccurate
-        cell = self._scene.cell
-        if isinstance(cell, ProfileCell) and cell.smoothing.stress_error > _NOTABLE:
-            yield smoothing_warning(cell.smoothing)
-        contact = self._recorder.contact
-        if contact is not None:
-            table, row = "run" if self._scene.path is None else "path", self._recorder.rows[contact]
-            span = self._scene.path or self._scene.run
-            if span is None or not span.stop_at_contact:
-                yield contact_warning(row, table)
 
     @property
     def _time(self) -> float:
@@ -289,6 +280,8 @@ def simulate(
     start: ResumePoint | None = None,
     keep: Callable[[Checkpoint], None] | None = None,
     shells: ShellPool | None = None,
+    sensitivities: Sequence[str] = (),
+    replay: Replay | None = None,
 ) -> Result:
     """Run a scene from start to end.
 
@@ -315,6 +308,12 @@ def simulate(
     start, keep, shells
         State from which to resume an earlier run, a function called with checkpoints, and what
         lends shells to many runs, as in `Simulation`.
+    sensitivities
+        Keys of numbers of the scene by which the history is differentiated: thickness, moduli and
+        exponents of the wall, turgor, thresholds and growth times; or ``"energy.NAME"`` and
+        ``"growth_law.NAME"``, parameters of your own laws.
+    replay
+        Steps, mesh and numerics of an earlier run of a similar scene, to be repeated.
 
     Returns
     -------
@@ -332,6 +331,8 @@ def simulate(
         start=start,
         keep=keep,
         shells=shells,
+        sensitivities=sensitivities,
+        replay=replay,
     ) as simulation:
         try:
             for _ in simulation:

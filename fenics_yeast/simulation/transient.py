@@ -1,6 +1,6 @@
 """Runs in time: find the first equilibrium, take steps, and report how the run ends."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import ExitStack
 from typing import Any, Self
 
@@ -22,9 +22,10 @@ from .build import turgor
 from .checkpoint import Checkpoint
 from .error_estimate import estimate_error
 from .history import Row
+from .kinks import kinks, switches
 from .limit_search import LimitSearch
 from .loading import load_in_parts
-from .milestones import among, kinks, memory, step_controller, switches
+from .milestones import among, memory, step_controller
 from .outcome import (
     Outcome,
     buckled,
@@ -40,7 +41,6 @@ from .step_errors import StepErrors
 from .waves import WaveCheck
 
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
-_JUMP, _JUMP_RATIO = 0.1, 5.0  # change of the volume, and its ratio to that of the last step
 _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wall may be at rest
 
 
@@ -48,12 +48,18 @@ class Transient:
     """A run of a scene in time, or to a single equilibrium; a context manager.
 
     `tolerance` is the norm of the residual in µN that counts as zero, `isotropic` says that the law
-    is the scene's. `checkpoint` is the last one, with this rank's arrays and without timings; None
-    before the first step.
+    is the scene's; `steps` are the ends of given steps in min. `checkpoint` is the last one, with
+    this rank's arrays and without timings; None before the first step.
     """
 
     def __init__(
-        self, scene: Scene, shell: Shell, recorder: Recorder, tolerance: float, isotropic: bool
+        self,
+        scene: Scene,
+        shell: Shell,
+        recorder: Recorder,
+        tolerance: float,
+        isotropic: bool,
+        steps: Sequence[float] = (),
     ) -> None:
         self._scene, self._shell = scene, shell
         self._recorder, self._tolerance = recorder, tolerance
@@ -61,14 +67,14 @@ class Transient:
         self._equilibrium = self._resources.enter_context(Equilibrium(shell, tolerance))
         self._stability = self._resources.enter_context(Stability(shell))
         self._tableau = TABLEAUX[scene.numerics.integrator]
-        parts = self._equilibrium, self._tableau, turgor(scene), memory(scene)
+        parts = self._equilibrium, self._tableau, turgor(scene), memory(scene), recorder.follower
         self._stepper = TimeStepper(shell, *parts)
         self._stable, self._reduced = True, False
         self._passed: int | None = None
         self._waves = self._resources.enter_context(WaveCheck(scene, shell, recorder, isotropic))
         self._switches, self._kinks = switches(scene), kinks(scene)
         self._controller = step_controller(
-            scene, self._stepper.pressure, self._tableau.estimate_order
+            scene, self._stepper.pressure, self._tableau.estimate_order, steps
         )
         growth_time, allowed = scene.growth_time or 1.0, SHARES.steps * scene.numerics.tolerance
         self._errors = StepErrors(self._tableau, growth_time, shell.reference_volume, allowed)
@@ -122,7 +128,7 @@ class Transient:
                 return stopped_at_bifurcation(recorder.bifurcation[1])
             try:
                 step, waves = self._stepper.attempt(end), None
-                if not (past := self._past_limit() or self._jumped()):
+                if not (past := self._past_limit() or self._limits.jumped()):
                     step, end, waves = self._stop_at_bifurcation(step, end)
             except EquilibriumError as error:
                 problem: EquilibriumError | None = error
@@ -146,7 +152,7 @@ class Transient:
                     return lost
                 if controller.exhausted:
                     return self._failed(problem or "only states past a limit point were found")
-        return self._finished(self._scene.run.end)
+        return self._finished(self._time)
 
     def _stop_at_bifurcation(
         self, step: StepResult, end: float
@@ -277,21 +283,6 @@ class Transient:
             return False
         inside_out = self._scene.cell.closed and self._shell.volume() <= 0
         return self._equilibrium.compliance() < 0 or inside_out
-
-    def _jumped(self) -> bool:
-        """Whether the trial has a much larger change of volume than its change of pressure.
-
-        Such a state lies beyond a limit point, on another part of the equilibrium path.
-        """
-        rows, shell = self._recorder.rows, self._shell
-        last, before = rows[-1], rows[max(0, len(rows) - 2)]
-        slope = last.pressure_MPa - before.pressure_MPa
-        change = shell.volume() - last.volume_um3
-        if slope == 0 or abs(change) < _JUMP * shell.reference_volume:
-            return False
-        part = (float(shell.pressure.value) - last.pressure_MPa) / slope
-        expected = part * (last.volume_um3 - before.volume_um3)
-        return part > 0 and abs(change) > _JUMP_RATIO * abs(expected)
 
     def _accurate(self, step: StepResult, end: float) -> bool:
         """Whether the trial is accurate enough; adapts the steps and adds up their errors."""

@@ -9,9 +9,10 @@ from .limit_points import approach_limit_point, find_limit_force, find_limit_pre
 from .path_following import PathCoordinates, PathError, PathTarget, follow_path
 from .resumable import Resumable
 from .runge_kutta import TABLEAUX, ButcherTableau
+from .sensitivities import Direction, ForwardSensitivities
 from .stability import Stability, StabilityState
-from .step_control import ControllerState, StepController, same_time
-from .time_stepper import StepperState, StepResult, TimeStepper
+from .step_control import ControllerState, GivenSteps, StepController, same_time
+from .time_stepper import Follower, StepperState, StepResult, TimeStepper
 from .waves import WaveModes
 
 __all__ = [
@@ -20,8 +21,12 @@ __all__ = [
     "ButcherTableau",
     "ChordState",
     "ControllerState",
+    "Direction",
     "Equilibrium",
     "EquilibriumError",
+    "Follower",
+    "ForwardSensitivities",
+    "GivenSteps",
     "PathCoordinates",
     "PathError",
     "PathTarget",

@@ -129,6 +129,8 @@ def _attempt(
             elapsed = sum(a * d for a, d in zip(A[i], durations, strict=False))
             ramp = (pressure + slope * elapsed, slope)
             iterations += solver.solve(start + c[i] * (volume - start), ramp=ramp)
+            time = stepper.accepted.time + elapsed + float(growth.stage.value)
+            stepper.note_stage(time, A[i, : i + 1])
             durations.append(float(growth.stage.value) / A[i, i])
             changes.append((growth.get() - base) / A[i, i])
             if durations[-1] <= 0:

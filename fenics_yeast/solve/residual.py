@@ -95,12 +95,21 @@ class Equations:
         """Assemble a linear form for the owned DOFs; zero for constrained ones."""
         self._b[:] = 0
         dx.assemble_vector(self._b, form)
-        if self._shared:
-            dx.accumulate(self._assembled)
-        out[:] = self._b[: self.owned]
+        self._to_owners(out)
         if form is self.shell.forms.residual and self.shell.force is not None:
             self.shell.force.add_to(out)
         out[self._constrained] = 0
+
+    def gather(self, values: Array, out: Any) -> None:
+        """Sum local values, ghosts among them, for the owned DOFs; zero for constrained ones."""
+        self._b[:] = values
+        self._to_owners(out)
+        out[self._constrained] = 0
+
+    def _to_owners(self, out: Any) -> None:
+        if self._shared:
+            dx.accumulate(self._assembled)
+        out[:] = self._b[: self.owned]
 
 
 def use_lu(solver: Any, stiffness: float) -> None:

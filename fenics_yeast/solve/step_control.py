@@ -132,3 +132,31 @@ class StepController:
         self._wanted, self._taken = state.wanted, state.taken
         self._last_error = state.last_error
         self.failures, self.reductions = state.failures, state.reductions
+
+
+class GivenSteps(StepController):
+    """The steps of an earlier run, whatever their errors, none of them shortened.
+
+    Parameters
+    ----------
+    times
+        Ends of the steps in min.
+    """
+
+    def __init__(self, times: Iterable[float]) -> None:
+        super().__init__(times, float("inf"), None)
+        self._failed = False
+
+    def propose(self, time: float, longest: float = float("inf")) -> float | None:
+        """Return the end of the next step in min; None after the last one."""
+        return super().propose(time)
+
+    def failed(self) -> None:
+        """End the run: without one of its steps it is another one."""
+        super().failed()
+        self._failed = True
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether a step had no equilibrium."""
+        return self._failed

@@ -8,6 +8,7 @@ without an equilibrium is rejected here.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -57,6 +58,22 @@ class StepResult:
     error: Array | None
 
 
+class Follower(Protocol):
+    """What follows the steps of a wall, such as their derivatives by parameters."""
+
+    def solved(self, time: float, row: Array) -> None:
+        """Receive the shell in the solution of a stage at a time in min.
+
+        `row` is that of the tableau up to the diagonal; empty for an equilibrium at given growth.
+        """
+
+    def accepted(self, start: StepperState, duration: float) -> None:
+        """Follow the last stages as a step of a duration in min that is accepted."""
+
+    def rejected(self) -> None:
+        """Forget the last stages."""
+
+
 class TimeStepper:
     """A shell that is advanced in time.
 
@@ -70,6 +87,8 @@ class TimeStepper:
         Turgor in MPa as a function of time in min.
     memory
         From how many solutions the next one is predicted; see `Predictor`.
+    follower
+        Told of the solution of each stage, and which steps are accepted.
 
     Attributes
     ----------
@@ -89,12 +108,13 @@ class TimeStepper:
         tableau: ButcherTableau,
         pressure: Callable[[float], float],
         memory: int = 5,
+        follower: Follower | None = None,
     ) -> None:
         if not tableau.is_stiffly_accurate:
             raise ValueError(f"{tableau.name} must be stiffly accurate: b the last row of A")
         self.shell, self._equilibrium = shell, equilibrium
         self._tableau, self.pressure = tableau, pressure
-        self._predictor = Predictor(shell.constrained, memory)
+        self._predictor, self._follower = Predictor(shell.constrained, memory), follower
         self._trial_rate: Array | None = None
         wall = shell.state()
         self._predictor.solutions = ((0.0, wall.w),)
@@ -119,6 +139,8 @@ class TimeStepper:
 
     def accept(self, time: float) -> None:
         """Accept the trial step: its end, at a time in min, becomes the accepted state."""
+        if self._follower is not None:
+            self._follower.accepted(self.accepted, time - self.accepted.time)
         wall, rate, stiffest = self.shell.state(), self._trial_rate, self.accepted.stiffest
         times, solutions = zip(*self._predictor.solutions, strict=True)
         self.accepted = StepperState(time, wall.w, wall.eps_g, rate, stiffest, times, solutions)
@@ -137,6 +159,8 @@ class TimeStepper:
         solutions = zip(accepted.solution_times, accepted.solutions, strict=True)
         self._predictor.solutions = tuple(solutions)
         self._trial_rate = None
+        if self._follower is not None:
+            self._follower.rejected()
 
     def step(self, end: float) -> StepResult:
         """Make a step to a time in min and accept it; raises what `attempt` raises."""
@@ -163,6 +187,7 @@ class TimeStepper:
         """
         self.shell.pressure.value = self.pressure(0.0)
         iterations = self._equilibrium.solve()
+        self.note_stage(0.0, np.empty(0))
         self.accept(0.0)
         self.reset_predictor()
         return iterations
@@ -233,7 +258,7 @@ class TimeStepper:
     def _solve_stages(self, end: float) -> StepResult:
         growth, start = self.shell.growth, self.accepted.time
         if growth is None or self.accepted.eps_g is None:
-            return StepResult(self._solve(end), None)
+            return StepResult(self._solve(end, np.empty(0)), None)
         growth.set_interval(start, end)
         dt, A, c = end - start, self._tableau.A, self._tableau.c
         rates: list[Array] = []
@@ -244,7 +269,8 @@ class TimeStepper:
                 growth.stage.value = A[i, i] * dt
                 growth.set_base(base)
                 growth.set(base + A[i, i] * dt * rates[-1] if rates else base)
-                iterations += self._solve(end if i == len(c) - 1 else start + c[i] * dt)
+                time = end if i == len(c) - 1 else start + c[i] * dt
+                iterations += self._solve(time, A[i, : i + 1])
             if A[i, i] > 0:
                 rates.append((growth.get() - base) / (A[i, i] * dt))
             elif i == 0 and self.accepted.rate is not None:
@@ -257,8 +283,11 @@ class TimeStepper:
         self._trial_rate = rates[-1]
         return StepResult(iterations, error)
 
-    def _solve(self, time: float) -> int:
-        """Find the equilibrium at a time from the predicted state, else from the accepted one."""
+    def _solve(self, time: float, row: Array) -> int:
+        """Find the equilibrium at a time from the predicted state, else from the accepted one.
+
+        `row` is that of the stage in the tableau, up to the diagonal.
+        """
         self.shell.pressure.value = self.pressure(time)
         self.shell.w.x.array[:] = self._predictor.predict(time)
         failed = 0
@@ -272,4 +301,10 @@ class TimeStepper:
             except EquilibriumError as again:
                 raise EquilibriumError(str(again), failed + again.iterations) from error
         self._predictor.add(time, self.shell.w.x.array.copy())
+        self.note_stage(time, row)
         return failed + iterations
+
+    def note_stage(self, time: float, row: Array) -> None:
+        """Tell the follower, if any, of the trial state: see `Follower.solved`."""
+        if self._follower is not None:
+            self._follower.solved(time, row)

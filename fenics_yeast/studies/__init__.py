@@ -1,4 +1,4 @@
-"""Many runs of a scene: sweeps over parameters, and error bars by refinement.
+"""Many runs of a scene: sweeps over parameters, error bars, derivatives.
 
 Cases run side by side in processes or on MPI ranks, each into a directory of its own.
 """
@@ -10,16 +10,23 @@ from .execution import run_sweep
 from .table import TABLE, CaseRow, read_table
 
 if TYPE_CHECKING:
+    from .derivatives import differences, simulate_with_derivatives
     from .error_bars import estimate_error_bars
     from .figure import draw_sweep
 
 __all__ = [
-    "TABLE", "Case", "CaseRow", "draw_sweep", "estimate_error_bars", "parse_variation", "plan",
-    "read_table", "run_sweep", "value_label",
+    "TABLE", "Case", "CaseRow", "differences", "draw_sweep", "estimate_error_bars",
+    "parse_variation", "plan", "read_table", "run_sweep", "simulate_with_derivatives",
+    "value_label",
 ]  # fmt: skip
 
 # Names whose modules load dolfinx or figures.
-_LATE = {"draw_sweep": "figure", "estimate_error_bars": "error_bars"}
+_LATE = {
+    "differences": "derivatives",
+    "draw_sweep": "figure",
+    "estimate_error_bars": "error_bars",
+    "simulate_with_derivatives": "derivatives",
+}
 
 
 def __getattr__(name: str) -> Any:
