@@ -6,10 +6,12 @@ from math import inf, log
 
 from .history import Row
 
+_ROWS = 5  # that the estimate uses
 _LARGE = 100.0  # V/V0 below which growth is not examined
 _HUGE = 1e4  # V/V0 that no limit point has
 _SOON = 1.01  # estimated time over that of the last step, where no step leads on
-_AGREEMENT = 3e-5  # relative change of the estimated time from step to step
+_APART = 1.2  # ratio of volumes of the rows that the estimate uses
+_AGREEMENT = 3e-5  # relative change of the estimated time from one of these rows to the next
 _STEADY = 0.1  # relative change of the exponent from step to step
 
 
@@ -31,14 +33,14 @@ def blow_up_time(rows: Sequence[Row], broken_off: bool = False) -> float | None:
     float or None
         The time; None as long as the volume is not seen to approach infinity.
     """
-    if len(rows) < 5 or rows[-1].volume_ratio < _LARGE:
+    if len(rows) < _ROWS or rows[-1].volume_ratio < _LARGE:
         return None
-    if any(after.time_min <= before.time_min for before, after in pairwise(rows[-5:])):
+    last, far = rows[-1], _apart(rows)
+    if any(after.time_min <= before.time_min for before, after in pairwise(far)):
         # Steps are lost in the digits of the time.
-        return rows[-1].time_min if broken_off and rows[-1].volume_ratio > _HUGE else None
-    estimates = [_power_law(rows[i - 2], rows[i - 1], rows[i]) for i in (-3, -2, -1)]
+        return last.time_min if broken_off and last.volume_ratio > _HUGE else None
+    estimates = [_power_law(*far[i : i + 3]) for i in range(_ROWS - 2)]
     times, exponents = zip(*estimates, strict=True)
-    last = rows[-1]
     if broken_off:
         if last.volume_ratio < _HUGE:
             return None
@@ -48,6 +50,18 @@ def blow_up_time(rows: Sequence[Row], broken_off: bool = False) -> float | None:
     spread = max(times) - min(times)
     steady = max(exponents) < (1 + _STEADY) * min(exponents)
     return times[-1] if steady and spread < _AGREEMENT * times[-1] else None
+
+
+def _apart(rows: Sequence[Row]) -> list[Row]:
+    """Return the last rows, of much different volumes where steps are short."""
+    found = [rows[-1]]
+    for i in range(len(rows) - 2, -1, -1):
+        enough = rows[i].volume_um3 * _APART < found[-1].volume_um3
+        if enough or i < _ROWS - len(found):  # the first rows, where there are no others
+            found.append(rows[i])
+        if len(found) == _ROWS:
+            break
+    return found[::-1]
 
 
 def _power_law(first: Row, second: Row, third: Row) -> tuple[float, float]:

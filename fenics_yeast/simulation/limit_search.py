@@ -83,7 +83,10 @@ class LimitSearch:
             except StopIteration as stop:
                 found: Outcome | None = stop.value
                 return found
-            if (lost := self.thinned()) is not None:
+            lost, infinite = self.thinned(), blow_up_time(self._recorder.rows)
+            if lost is None and infinite is not None and infinite < end:
+                lost = growth_unbounded(infinite, self._recorder.rows[-1])
+            if lost is not None:
                 search.close()
                 return lost
 

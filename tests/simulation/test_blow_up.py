@@ -69,3 +69,34 @@ def test_a_softening_wall_loses_its_equilibrium_instead(sphere: Scene) -> None:
 def test_a_run_that_ends_before_is_finished(sphere: Scene) -> None:
     result = simulate(sphere.with_values({"run.end": 12.9}))
     assert result.status == "finished" and result.history.volume_ratio[-1] > 1e4
+
+
+BUBBLE = """
+[cell]
+shape = "capsule"
+diameter = 7.46
+length = 14.92
+[wall]
+thickness = 0.347636
+shear_modulus = 148.0
+ogden_exponent = -2.0
+bending = false
+thickness_change = "elastic"
+[turgor]
+pressure = 13.931536
+[growth]
+threshold = 60.31518
+time = 5.5
+zone = { pole = "top", half_angle = 12.2 }
+[run]
+end = 15.455
+[numerics]
+tolerance = 0.01
+"""
+
+
+def test_a_bubble_that_is_followed_by_volume_is_named_early() -> None:
+    """Followed to 2.5e7 volumes by 2830 steps, it becomes infinite at 3.24633 min."""
+    result = simulate(Scene.from_toml(BUBBLE))
+    assert result.status == "unbounded" and result.steps < 800
+    assert result.end_time == pytest.approx(3.24633, abs=1e-3)
