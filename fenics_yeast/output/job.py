@@ -22,6 +22,7 @@ from ..simulation import (
     Status,
     Timings,
     discretise,
+    kinks,
     on_root,
 )
 from .errors import DolfinxMissing, OutputError, OutputWriteError, RunLost
@@ -316,7 +317,7 @@ class Job:
         before = None if self._start is None else self._start.checkpoint
         when = f"at {rows[-1].time_min:g} min" if rows else "before the first equilibrium"
         return Result(
-            history=History(rows),
+            history=History(rows, kinks(self.scene)),
             profiles=Profiles(tuple(profiles), discretise(self.scene).zones),
             status=status,
             message=message or f"{status} {when}",

@@ -6,7 +6,17 @@ from zipfile import BadZipFile
 import numpy as np
 
 from ..scene import Scene
-from ..simulation import COLUMNS, BucklingMode, History, Profile, Profiles, Result, Row, discretise
+from ..simulation import (
+    COLUMNS,
+    BucklingMode,
+    History,
+    Profile,
+    Profiles,
+    Result,
+    Row,
+    discretise,
+    kinks,
+)
 from .errors import OutputError
 from .files import HISTORY, MODE, PROFILES, RUN, SCENE
 from .folder import read_value
@@ -63,7 +73,8 @@ def read_history(directory: Path) -> History:
             rows.append(Row(**numbers | {"stable": bool(numbers["stable"])}))  # type: ignore[arg-type]
         except ValueError:
             raise OutputError(f"{path}: line {number} is damaged; rerun the scene") from None
-    return History(rows)
+    places = kinks(read_scene(directory)) if (directory / SCENE).is_file() else ()
+    return History(rows, places)
 
 
 def read_profiles(directory: Path) -> Profiles:

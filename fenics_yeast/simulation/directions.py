@@ -20,8 +20,10 @@ _EXACT = re.compile(
     r"|wall\.(shear_moduli|ogden_exponents)\.\d+"
     r"|wall\.zone\.\d+\.(thickness|shear_modulus|modulus_factor)"
     r"|growth(\.\d+)?\.(threshold|time)"
+    r"|load\.(point|ring)_force"
 )
 _CHANGE = 1e-5  # relative, of a parameter of which the coefficients are simple functions
+_OTHERWISE = "use studies.simulate_with_derivatives, by differences"
 _UNITS = ("rotation", "shear_force")  # of DOFs, on which nothing depends
 
 
@@ -31,13 +33,17 @@ def has_exact_sensitivity(scene: Scene, key: str) -> bool:
     It cannot by what moves nodes or times, such as sizes of the cell and of zones, nor if growth
     follows the tip, which the tangents do not know.
     """
-    follows = any(zone.polarity and zone.polarity.follow == "tip" for zone in scene.growing)
-    exact = _EXACT.fullmatch(key) is not None and scene.path is None and not follows
     try:
         value = value_of(scene, key)
     except KeyError:
         return False
-    return exact and isinstance(value, float | int) and not isinstance(value, bool)
+    return _EXACT.fullmatch(key) is not None and _held(scene) and isinstance(value, float)
+
+
+def _held(scene: Scene) -> bool:
+    """Whether tangents of a run are exact, and its steps are those of time."""
+    follows = any(zone.polarity and zone.polarity.follow == "tip" for zone in scene.growing)
+    return scene.path is None and not follows
 
 
 @dataclass(frozen=True)
@@ -60,9 +66,10 @@ class Model:
         if kind in ("energy", "growth_law"):
             law = getattr(self, kind)
             value = law.parameters.get(name) if isinstance(law, Law) else None
-            if isinstance(value, float | int):
+            if isinstance(value, float | int) and _held(self.scene):
                 return float(value)
-            raise SceneError(f"sensitivities: {key}: the {kind} is no Law with this parameter")
+            if _held(self.scene):
+                raise SceneError(f"sensitivities: {key}: the {kind} is no Law with this parameter")
         if has_exact_sensitivity(self.scene, key):
             return float(value_of(self.scene, key))
         raise SceneError(f"sensitivities: {_refusal(self.scene, key)}")
@@ -106,7 +113,13 @@ def direction(model: Model, shell: Shell, key: str) -> Direction:
         if name not in _UNITS and (slope := _slope(high[name], low[name], 2 * change)) is not None:
             found[name] = slope
     rises = turgor(above.scene), turgor(below.scene)
-    return Direction(found, lambda time: (rises[0](time) - rises[1](time)) / (2 * change))
+    forces = [side.scene.axial_load for side in (above, below)]
+    more, less = (0.0 if load is None else load.force for load in forces)
+    return Direction(
+        found,
+        lambda time: (rises[0](time) - rises[1](time)) / (2 * change),
+        (more - less) / (2 * change),
+    )
 
 
 def _slope(high: Coefficient, low: Coefficient, change: float) -> Coefficient | None:
@@ -124,13 +137,15 @@ def _slope(high: Coefficient, low: Coefficient, change: float) -> Coefficient | 
 def _refusal(scene: Scene, key: str) -> str:
     """Return why a run of a scene cannot be differentiated by a key, and what to do."""
     try:
-        value = value_of(scene, key)
+        value = None if key.startswith(("energy.", "growth_law.")) else value_of(scene, key)
     except KeyError:
         return f"{key}: the scene has no such key"
     if scene.path is not None:
         return f"{key}: a run along [path] has none; remove the table path"
+    if not _held(scene):
+        return f"{key} has no exact one where growth follows the tip; {_OTHERWISE}"
     if key == "turgor.pressure":
         return f"{key} is a table; choose one of its values, e.g. turgor.pressure.value.0"
     if isinstance(value, bool) or not isinstance(value, float | int):
         return f"{key}: expected the key of a number"
-    return f"{key} has no exact one; use studies.simulate_with_derivatives, by differences"
+    return f"{key} has no exact one; {_OTHERWISE}"

@@ -87,12 +87,23 @@ class Sensitivities:
     def interpolate(self, column: str, times: ArrayLike) -> Array:
         """Return the derivatives of `History.interpolate`, shape ``(times, parameters)``.
 
+        They are not numbers beyond the first row that has none.
+
         Raises
         ------
         ValueError
             If the column has no derivatives, or a time lies outside the run.
         """
-        return interpolate(self.time_min, self.of(column), self.kinks, times)
+        values, wanted = self.of(column), np.atleast_1d(np.asarray(times, dtype=float))
+        known = np.isfinite(values).all(axis=1)
+        if known.all():
+            return interpolate(self.time_min, values, self.kinks, wanted)
+        count, found = int(known.argmin()), np.full((len(wanted), values.shape[1]), np.nan)
+        if count > 1:
+            time = self.time_min[:count]
+            early = wanted <= time[-1]
+            found[early] = interpolate(time, values[:count], self.kinks, wanted[early])
+        return found
 
     def to_frame(self, column: str) -> Any:
         """Return the derivatives of a column as a pandas `DataFrame`, a column per parameter.

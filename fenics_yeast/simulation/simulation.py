@@ -48,7 +48,7 @@ class Simulation:
 
     Parameters
     ----------
-    scene, energy, growth_law, observer, callback, comm, state
+    scene, energy, growth_law, observer, callback, comm, state, sensitivities, replay
         As in `simulate`.
     start
         State from which to resume an earlier run of the scene; the same on all ranks, except for
@@ -63,6 +63,8 @@ class Simulation:
     ------
     CheckpointError
         If the start belongs to another wall.
+    SceneError
+        If the run cannot be differentiated by one of the `sensitivities`.
     """
 
     def __init__(
@@ -102,6 +104,8 @@ class Simulation:
         self._publisher = Publisher(shell.comm, Observers(observers))
         if shell.comm.bcast(state is not None):
             set_initial_state(shell, state)
+        if sensitivities and start is not None:
+            raise ValueError("a resumed run has no derivatives; run the scene from its start")
         if sensitivities:
             recorder.sensitivities = resources.enter_context(
                 SensitivityRecorder(

@@ -40,10 +40,13 @@ class Direction:
         Changes of the coefficients of the forms: numbers, or functions of the arc length.
     pressure
         Change of the pressure as a function of time in min.
+    force
+        Change of the force of a load.
     """
 
     coefficients: Mapping[str, Coefficient]
     pressure: Callable[[float], float]
+    force: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,7 @@ class ForwardSensitivities:
     """
 
     def __init__(self, shell: Shell, directions: Sequence[Direction]) -> None:
-        self._shell, self._pressures = shell, [each.pressure for each in directions]
+        self._shell, self._directions = shell, tuple(directions)
         names = sorted({name for each in directions for name in each.coefficients})
         self._forms = forms = shell.parameter_derivatives(names)
         S = shell.points.S
@@ -92,7 +95,9 @@ class ForwardSensitivities:
                 changes[names.index(name)] = value(S) if callable(value) else value
         # By point, parameter and coefficient.
         self._changes = np.moveaxis(self._changes, (2, 3), (0, 1)).copy()
-        self._growing_changes = self._changes[forms.grows].reshape(-1, *self._changes.shape[2:])
+        points = int(forms.grows.sum()) * S.shape[1]
+        growing = self._changes[forms.grows]
+        self._growing_changes = growing.reshape(points, *growing.shape[2:])
         area = shell.points.weights * shell.discretisation.curve.radius(S)
         self._area = (area * shell.points.owned[:, None])[:, :, None, None]
         self._dofs = dx.dof_array(shell.space)
@@ -108,7 +113,6 @@ class ForwardSensitivities:
             self._by_pressure, self._sign = shell.forms.volume_gradient, -1.0
         self._stages: list[_Stage] = []
         self.w = np.zeros((len(directions), len(shell.w.x.array)))
-        points = len(self._growing_changes)
         self._eps_g = np.zeros((points, len(directions), 2 * len(shell.eps)))
 
     def destroy(self) -> None:
@@ -216,12 +220,15 @@ class ForwardSensitivities:
         equations, places = self._equations, self._dofs.ravel()
         dx.assemble_matrix(equations.matrix, tangent, self._shell.conditions)
         self._solver.setOperators(equations.matrix)
-        for k, pressure in enumerate(self._pressures):
+        for k, direction in enumerate(self._directions):
             force = np.bincount(places, forces[:, k].ravel(), minlength=self.w.shape[1])
             equations.gather(force.astype(float, copy=False), self._f.array)
-            if change := pressure(time):
+            if change := direction.pressure(time):
                 equations.assemble(self._by_pressure, self._x.array)
                 self._f.axpy(change * self._sign, self._x)
+            if direction.force and self._shell.force is not None:
+                self._shell.force.direction(self._x.array)
+                self._f.axpy(-direction.force / (2 * np.pi), self._x)
             self._solver.solve(self._f, self._x)
             self.w[k] = -equations.with_ghosts(self._x.array_r)
 

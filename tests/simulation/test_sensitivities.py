@@ -13,7 +13,13 @@ from fenics_yeast import Scene, SceneError, simulate
 from fenics_yeast import _dolfinx as dx
 from fenics_yeast.mechanics import Law, growth_laws, hyperelasticity
 from fenics_yeast.scene import value_of
-from fenics_yeast.simulation import Replay, Sensitivities, ShellPool
+from fenics_yeast.simulation import (
+    Replay,
+    ResumePoint,
+    Sensitivities,
+    ShellPool,
+    Simulation,
+)
 
 BUD = Scene.from_toml("""
 cell = { shape = "sphere", diameter = 5 }
@@ -52,6 +58,10 @@ CASES: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     "turgor in steps": (
         {"turgor.pressure": {"time": [0, 9, 9], "value": [0.2, 0.21, 0.19]}},
         (*GROWTH, "wall.ogden_exponent"),
+    ),
+    "a force": (
+        {"load": {"point_force": -0.01}, "growth.zone.half_angle": 40},
+        ("load.point_force", "turgor.pressure", "growth.time"),
     ),
     "an open edge": (
         {
@@ -241,7 +251,7 @@ def test_only_the_first_run_with_derivatives_compiles_their_forms(
         ({}, "wall.law", "expected the key of a number"),
         ({}, "energy.c", "the energy is no Law with this parameter"),
         ({"turgor.pressure": {"time": [0], "value": [0.2]}}, "turgor.pressure", "value.0"),
-        ({"growth.polarity": {"width": 1, "follow": "tip"}}, "growth.time", "no exact one"),
+        ({"growth.polarity": {"width": 1, "follow": "tip"}}, "growth.time", "follows the tip"),
         (
             {"growth": None, "run": None, "path": {"until": {"volume_ratio": 1.1}}},
             "wall.thickness",
@@ -256,6 +266,27 @@ def test_what_has_no_exact_derivative_is_refused_by_name(
         simulate(BUD.with_values(changes), sensitivities=[key])
     assert key in str(caught.value) and said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_what_begins_elsewhere_has_no_derivatives() -> None:
+    found: list[Any] = []
+    with Simulation(BUD, keep=found.append) as simulation:
+        next(simulation)
+    start = ResumePoint(found[-1], simulation.result.history.rows, ())
+    with pytest.raises(ValueError, match="a resumed run has no derivatives"):
+        simulate(BUD, start=start, sensitivities=GROWTH)
+
+
+def test_derivatives_are_interpolated_like_the_history_up_to_the_last_known_row() -> None:
+    time = np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0])
+    cubic = np.stack([time**3, 1 - time], axis=1)
+    cubic[-1] = np.nan
+    found = Sensitivities(("a", "b"), (1.0, 1.0), time, (), *[cubic] * 6)
+    at = found.interpolate("volume_ratio", [3.0, 5.5])
+    np.testing.assert_allclose(at[0], [27, -2], atol=1e-12)
+    assert np.isnan(at[1]).all()
+    with pytest.raises(ValueError, match="no derivatives of step_min; choose one of pressure_MPa"):
+        found.interpolate("step_min", [3.0])
 
 
 SCRIPT = """
