@@ -1,7 +1,6 @@
 """Derivatives of runs by their parameters."""
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -288,29 +287,3 @@ def test_derivatives_are_interpolated_like_the_history_up_to_the_last_known_row(
     assert np.isnan(at[1]).all()
     with pytest.raises(ValueError, match="no derivatives of step_min; choose one of pressure_MPa"):
         found.interpolate("step_min", [3.0])
-
-
-SCRIPT = """
-import numpy as np
-from mpi4py import MPI
-
-from fenics_yeast import Scene, simulate
-
-keys = {keys!r}
-found = simulate(Scene.from_toml('''{scene}'''), sensitivities=keys).sensitivities
-for other in MPI.COMM_WORLD.allgather(found):
-    np.testing.assert_array_equal(other.volume_um3, found.volume_um3)
-if MPI.COMM_WORLD.rank == 0:
-    names = ("volume_um3", "pole_height_um", "bud_radius_um", "neck_radius_um")
-    np.save("found.npy", [found.of(name) for name in names])
-"""
-
-
-@pytest.mark.slow
-def test_derivatives_do_not_depend_on_the_number_of_ranks(
-    mpirun: Callable[[str, int], Path],
-) -> None:
-    text = SCRIPT.format(keys=(*GROWTH, "turgor.pressure", *WALL), scene=BUD.to_toml())
-    one, two, three = (np.load(mpirun(text, ranks) / "found.npy") for ranks in (1, 2, 3))
-    for other in (two, three):
-        np.testing.assert_allclose(other, one, rtol=1e-7, atol=1e-9)

@@ -1,6 +1,7 @@
 """Derivatives by any number of a scene, exact or by runs that repeat the steps."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -108,3 +109,32 @@ def test_what_cannot_vary_is_refused_by_name(key: str, said: str) -> None:
     with pytest.raises(SceneError) as caught:
         simulate_with_derivatives(BUD, [key])
     assert key in str(caught.value) and said in str(caught.value)
+
+
+SCRIPT = """
+import numpy as np
+from mpi4py import MPI
+
+from fenics_yeast import Scene
+from fenics_yeast.studies import simulate_with_derivatives
+
+keys = {keys!r}
+found = simulate_with_derivatives(Scene.from_toml('''{scene}'''), keys).sensitivities
+for other in MPI.COMM_WORLD.allgather(found):
+    np.testing.assert_array_equal(other.volume_um3, found.volume_um3)
+if MPI.COMM_WORLD.rank == 0:
+    names = ("volume_um3", "pole_height_um", "bud_radius_um", "neck_radius_um")
+    np.save("found.npy", [found.of(name) for name in names])
+"""
+
+
+@pytest.mark.slow
+def test_derivatives_do_not_depend_on_the_number_of_ranks(
+    mpirun: Callable[[str, int], Path],
+) -> None:
+    """The zone lies on one rank or on two; the last key is done by differences."""
+    keys = "growth.threshold", "turgor.pressure", "wall.thickness", "growth.zone.half_angle"
+    text = SCRIPT.format(keys=keys, scene=BUD.to_toml())
+    one, two, three = (np.load(mpirun(text, ranks) / "found.npy") for ranks in (1, 2, 3))
+    for other in (two, three):
+        np.testing.assert_allclose(other, one, rtol=1e-7, atol=1e-9)
