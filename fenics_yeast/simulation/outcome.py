@@ -65,6 +65,16 @@ def wall_softened(stretch: float, where: str) -> Outcome:
     )
 
 
+def wall_folded(stretch: float, where: str) -> Outcome:
+    """Return the end of a run at a wall that is bent to a radius of the size of its thickness."""
+    return Outcome(
+        "no-equilibrium",
+        f"no equilibrium found beyond {where}: a fold compresses a face of the wall to "
+        f"{stretch:.2g} of its length, too sharp for a shell; use a larger thickness, "
+        "a polarity without an edge, or bending = false",
+    )
+
+
 def buckled(where: str) -> Outcome:
     """Return the end of a run whose last states are unstable, with no equilibrium nearby."""
     return Outcome("no-equilibrium", f"no equilibrium found beyond {where}: the wall has buckled")

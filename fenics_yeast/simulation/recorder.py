@@ -15,7 +15,7 @@ from .history import Digest, Row
 from .measurements import Measurements
 from .profiles import Profile
 from .sensitivity_recorder import SensitivityRecorder
-from .softening import least_thickness, softest_stretch
+from .softening import least_thickness, sharpest_stretch, softest_stretch
 
 _MOVED = 5e-3  # of the volume at constant turgor, after which the wall may touch itself
 
@@ -158,6 +158,12 @@ class Recorder:
         if not isinstance(wall, LinearWall):
             return None
         return self._least(softest_stretch(wall, self.measurements.elastic_strain()))
+
+    def sharpest_stretch(self) -> float | None:
+        """Return the least stretch, in the trial state, of a wall that is folded too sharply."""
+        if not self._shell.bending:
+            return None
+        return self._least(sharpest_stretch(self.measurements.elastic_strain()))
 
     def least_thickness(self, wall: AnyWall) -> float | None:
         """Return the thickness ratio, in the trial state, of a wall that has thinned away."""

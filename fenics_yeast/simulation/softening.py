@@ -1,10 +1,11 @@
-"""Where a Saint Venant-Kirchhoff wall has lost its stiffness or its thickness."""
+"""Where a wall has lost its stiffness or its thickness, or is folded too sharply for a shell."""
 
 import numpy as np
 
 from ..geometry import Array
 from ..scene import LinearWall
 
+_SHARP = 0.05  # elastic stretch of a face; in the theory, a fold of zero radius makes it 0
 _THIN = 0.1  # of the thickness; a little further, nothing is left and the stress is infinite
 
 
@@ -37,6 +38,28 @@ def softest_stretch(wall: LinearWall, strain: Array) -> float | None:
     others = (squares[..., ::-1] - 1) / 2
     soft = (3 * squares - 1) / 2 + wall.poisson_ratio * others <= 0
     return float(np.sqrt(squares[soft].min())) if soft.any() else None
+
+
+def sharpest_stretch(strain: Array) -> float | None:
+    """Return the least elastic stretch of a wall that is folded more sharply than its thickness.
+
+    Green-Lagrange strains are linear through the thickness, so that they compress one face to
+    nothing where the wall is bent to a radius of the size of its thickness.
+
+    Parameters
+    ----------
+    strain
+        As in `softest_stretch`.
+
+    Returns
+    -------
+    float or None
+        The stretch; None if it is above 0.05 everywhere.
+    """
+    if not strain.size:
+        return None
+    least = float(np.exp(strain.min()))
+    return least if least < _SHARP else None
 
 
 def least_thickness(wall: LinearWall, strain: Array) -> float | None:

@@ -26,6 +26,7 @@ from .outcome import (
     limit_pressure_exceeded,
     stopped_at_bifurcation,
     stopped_at_contact,
+    wall_folded,
     wall_softened,
     wall_thinned,
 )
@@ -194,6 +195,8 @@ class Static:
         where, stretch = self._describe(rows[-1]), self._recorder.softest_stretch(self._scene.wall)
         if stretch is not None:
             return wall_softened(stretch, where)
+        if (folded := self._recorder.sharpest_stretch()) is not None:
+            return wall_folded(folded, where)
         touched = self._recorder.contact is not None
         through = "; the wall has touched itself before" if touched else ""
         return Outcome("failed", f"the path could not be followed beyond {where}: {error}{through}")

@@ -33,6 +33,7 @@ from .outcome import (
     reached_end,
     stopped_at_bifurcation,
     stopped_at_contact,
+    wall_folded,
     wall_softened,
 )
 from .recorder import Recorder
@@ -326,8 +327,8 @@ class Transient:
         where, rows = f"{self._time:g} min", self._recorder.rows
         if (infinite := blow_up_time(rows, broken_off=True)) is not None:
             return growth_unbounded(infinite, rows[-1])
-        if (softened := self._softened(where)) is not None:
-            return softened
+        if (lost := self._softened(where)) is not None:
+            return lost
         bifurcation = self._recorder.bifurcation
         unstable = not all(row.stable for row in rows[-_SHORTEST:])
         if unstable or (bifurcation and bifurcation[0] == len(rows) - 1):
@@ -338,6 +339,9 @@ class Transient:
         return Outcome("failed", why)
 
     def _softened(self, where: str) -> Outcome | None:
-        """Return the end of a run if the wall, in its trial state, has no stiffness."""
+        """Return the end of a run at a trial state without stiffness, or with a sharp fold."""
         stretch = self._recorder.softest_stretch(self._scene.wall)
-        return None if stretch is None else wall_softened(stretch, where)
+        if stretch is not None:
+            return wall_softened(stretch, where)
+        folded = self._recorder.sharpest_stretch()
+        return None if folded is None else wall_folded(folded, where)

@@ -242,3 +242,33 @@ def test_no_limit_pressure_is_named_below_pressures_that_the_wall_has_carried(
     if "limit pressure exceeded" in result.message:
         named = float(result.message.split("limit pressure exceeded (")[1].split()[0])
         assert named >= -result.history.pressure_MPa.min() * (1 - 1e-5)
+
+
+FOLDING = """
+[cell]
+shape = "spheroid"
+diameter = 2.68
+height = 2.7604
+[wall]
+thickness = 0.074772
+law = "linear"
+young_modulus = 204.6
+poisson_ratio = 0.4
+[turgor]
+pressure = 1.80383544
+[growth]
+threshold = 11.476014
+time = 39.7
+zone = { pole = "top", half_angle = 51.3 }
+[run]
+end = 65.505
+"""
+
+
+@pytest.mark.slow
+def test_a_bubble_whose_neck_folds_more_sharply_than_its_thickness_is_named() -> None:
+    """At 90 volumes: strains that are linear through the thickness compress a face to nothing."""
+    result = simulate(Scene.from_toml(FOLDING))
+    assert result.status == "no-equilibrium"
+    assert "a fold compresses a face of the wall to" in result.message
+    assert result.profiles.at(result.end_time).strain.min() < np.log(0.05)
