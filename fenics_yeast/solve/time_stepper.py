@@ -88,7 +88,7 @@ class TimeStepper:
     memory
         From how many solutions the next one is predicted; see `Predictor`.
     follower
-        Told of the solution of each stage, and which steps are accepted.
+        Receives the solution of each stage, and which steps are accepted.
 
     Attributes
     ----------
@@ -305,6 +305,6 @@ class TimeStepper:
         return failed + iterations
 
     def note_stage(self, time: float, row: Array) -> None:
-        """Tell the follower, if any, of the trial state: see `Follower.solved`."""
+        """Hand the trial state to the follower, if any: see `Follower.solved`."""
         if self._follower is not None:
             self._follower.solved(time, row)
