@@ -6,9 +6,10 @@ from contextlib import contextmanager
 
 # Set by mpirun, srun and others for each rank.
 _RANKS = ("OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID")
+ALONE = not any(name in os.environ for name in _RANKS)
 # For Open MPI: no daemon that could add ranks, and only the process itself to talk to. Its search
 # for the network takes a third of a second.
-_ALONE = {
+_NO_NETWORK = {
     "OMPI_MCA_ess_singleton_isolated": "1",
     "OMPI_MCA_btl": "self",
     "OMPI_MCA_pml": "ob1",
@@ -22,8 +23,8 @@ def _started_alone() -> Iterator[None]:
     The settings of a user, and those that processes inherit, do not change.
     """
     mine: dict[str, str] = {}
-    if not any(name in os.environ for name in _RANKS):
-        mine = {name: value for name, value in _ALONE.items() if name not in os.environ}
+    if ALONE:
+        mine = {name: value for name, value in _NO_NETWORK.items() if name not in os.environ}
     os.environ.update(mine)
     try:
         yield
@@ -35,4 +36,4 @@ def _started_alone() -> Iterator[None]:
 with _started_alone():
     from mpi4py import MPI
 
-__all__ = ["MPI"]
+__all__ = ["ALONE", "MPI"]

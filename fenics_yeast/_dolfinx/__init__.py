@@ -15,6 +15,7 @@ from .assembly import (
 from .compile import (
     compile_expression,
     compile_form,
+    compiled_together,
 )
 from .spaces import (
     argument_space,
@@ -52,6 +53,7 @@ __all__ = [
     "circumferential_space",
     "compile_expression",
     "compile_form",
+    "compiled_together",
     "constrain",
     "create_matrix",
     "dof_array",

@@ -3,6 +3,7 @@
 import contextlib
 import logging
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,9 +13,10 @@ from ufl.corealg.multifunction import MultiFunction
 from ufl.variable import Label
 
 from .. import _form_cache
-from .versions import JIT_KEYWORD, MPI, SCALAR, fem, jit
+from . import together
+from .versions import EVAL_ON_MESH, JIT_KEYWORD, MPI, SCALAR, fem, jit
 
-_JIT = {"cffi_extra_compile_args": ["-O2", "-fno-math-errno"], "cffi_libraries": ["m"]}
+_JIT = {"cffi_extra_compile_args": ["-O1", "-fno-math-errno"], "cffi_libraries": ["m"]}
 _COMPILERS = ("cffi", "distutils", "setuptools")  # their errors concern the compiler, not the form
 
 T = TypeVar("T")
@@ -36,11 +38,11 @@ def _quiet() -> Iterator[None]:
 def compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
     """Compile a source by `make`, on all ranks of a communicator."""
     place = comm.bcast(_form_cache.folder() if comm.rank == 0 else None)
-    options = {JIT_KEYWORD: {**_JIT, "cache_dir": place}}
+    options = {JIT_KEYWORD: _options(place)}
     try:
         with _quiet():
             if comm.size == 1:
-                with _form_cache.held(place):
+                with _form_cache.held(place), together.watched(place):
                     return make(**options)
             # Only rank 0 compiles: the lock's owner must not wait for ranks that need the lock.
             # An error there occurs again in `make`, on all ranks.
@@ -55,8 +57,14 @@ def compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
         raise
 
 
+def _options(place: Path) -> dict[str, Any]:
+    return {**_JIT, "cache_dir": place}
+
+
 def compile_form(form: Any) -> Any:
     """Compile a form."""
+    if plan := together.plan():
+        return plan.add(form)
     comm = form.ufl_domain().ufl_cargo().comm
     return compiled(comm, form, lambda **jit: fem.form(form, **jit))
 
@@ -83,7 +91,23 @@ class _NumberedLabels(MultiFunction):
 
 def compile_expression(expression: Any, points: NDArray[np.float64]) -> Any:
     """Compile an expression at points of the reference interval."""
-    expression = map_expr_dag(_NumberedLabels(), expression)
+    if EVAL_ON_MESH:  # dolfinx 0.5 has a UFL that numbers labels itself
+        expression = map_expr_dag(_NumberedLabels(), expression)
+    if plan := together.plan():
+        return plan.add((expression, points))
     comm = expression.ufl_domain().ufl_cargo().comm
     make = fem.Expression
     return compiled(comm, (expression, points), lambda **jit: make(expression, points, **jit))
+
+
+def compiled_together(comm: Any, make: Callable[[], T]) -> T:
+    """Return what a function makes that compiles forms; it may be called three times.
+
+    Where forms are missing in the cache, they are compiled by as many processes as cores.
+    """
+
+    def compile_one(source: Any, place: Path) -> None:
+        with _quiet():
+            jit.ffcx_jit.__wrapped__(source, SCALAR, _options(place))  # without MPI
+
+    return together.together(make, compile_one, comm)

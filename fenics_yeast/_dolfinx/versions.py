@@ -4,12 +4,37 @@ Known to run: dolfinx 0.5 (Debian 12), 0.9 (Debian 13) and 0.11 (PyPI).
 """
 
 import contextlib
+import sys
+from collections.abc import Iterator
+from importlib.metadata import version
 from inspect import signature
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+
+@contextlib.contextmanager
+def _quick_pkg_resources() -> Iterator[None]:
+    """Replace a library that UFL 2022 and FFCx 0.5 ask for their version; it takes long to load."""
+    if "pkg_resources" in sys.modules:
+        yield
+        return
+    module: Any = ModuleType("pkg_resources")
+    module.get_distribution = lambda name: SimpleNamespace(version=version(name))
+    sys.modules["pkg_resources"] = module
+    try:
+        yield
+    finally:
+        del sys.modules["pkg_resources"]
+
 
 with contextlib.suppress(ImportError):  # the wheel from PyPI must load its libraries first
     import dolfinx_solver  # noqa: F401
 
 try:
+    with _quick_pkg_resources():
+        import ffcx  # noqa: F401
+        import ufl  # noqa: F401
+
     import basix
     import petsc4py
 

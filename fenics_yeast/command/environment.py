@@ -1,16 +1,21 @@
 """Prepare the environment of a process that runs the command."""
 
 import errno
+import gc
 import logging
 import os
 import sys
 from pathlib import Path
 from typing import Any, TextIO
 
+# Created between two searches for garbage; imports and forms create many that all stay.
+_OBJECTS = 20_000
+
 
 def prepare() -> None:
     """Set what Open MPI needs, silence what users do not need to read, and protect the output."""
     sys.stdout = _Output(sys.stdout)
+    gc.set_threshold(_OBJECTS)
     os.environ["MPLBACKEND"] = "agg"  # that of a notebook may not be installed here
     if "HOME" not in os.environ:  # as in a service; Open MPI 5 needs it
         os.environ["HOME"] = _home()

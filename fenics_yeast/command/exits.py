@@ -40,7 +40,7 @@ def abandon(message: str) -> NoReturn:
 
 def launched() -> Any:
     """Return the communicator of all ranks under mpirun; None for one rank, or without MPI."""
-    if not any(name in os.environ for name in _LAUNCHED):
+    if not is_rank():
         return None
     try:
         from .._mpi import MPI
@@ -49,10 +49,15 @@ def launched() -> Any:
     return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
 
 
+def is_rank() -> bool:
+    """Return whether mpirun or srun started this process, perhaps as the only rank."""
+    return any(name in os.environ for name in _LAUNCHED)
+
+
 def on_terminal() -> bool:
     """Return whether output goes to a terminal on which lines can be redrawn."""
     # Open MPI gives every rank a pseudo-terminal, even if its output goes elsewhere.
-    fancy = sys.stdout.isatty() and not any(name in os.environ for name in _LAUNCHED)
+    fancy = sys.stdout.isatty() and not is_rank()
     return fancy and os.environ.get("TERM") != "dumb"
 
 

@@ -1,12 +1,14 @@
 """The work of `fenics-yeast run`: a run, its figures and its error bars."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from ..output import SHAPES, VOLUME, Job, Screen, failed_figures
+from ..output import SHAPES, VOLUME, Job, Screen
 from ..scene import Scene
 from ..simulation import Result
+from .figure_process import FigureProcess
 
 
 def run_completely(
@@ -28,16 +30,18 @@ def run_completely(
     KeyboardInterrupt
         If figures or error bars are interrupted; only those are missing then.
     """
+    process = FigureProcess() if with_figures else nullcontext()
+    job_of_run = Job(path, scene, screen=screen, began=began, resume=resume)
+    with process as figures, job_of_run as job:
 
-    def drawing(result: Result) -> Callable[[], None] | None:
-        return (lambda: _draw(path, scene, result)) if with_figures else None
+        def drawing(result: Result) -> Callable[[], str | None] | None:
+            return None if figures is None else lambda: figures.draw(path, scene, result)
 
-    with Job(path, scene, screen=screen, began=began, resume=resume) as job:
         ended = job.ended
         if ended is not None and (ended.error_bars or not with_error_bars):
             job.note_ended()
-            if with_figures and job.comm.rank == 0 and _lacks_figures(path, scene):
-                failed = failed_figures(path, lambda: _draw(path, scene, ended))
+            if figures is not None and job.comm.rank == 0 and _lacks_figures(path, scene):
+                failed = figures.draw(path, scene, ended)
                 if failed is not None and failed not in ended.warnings:
                     return replace(ended, warnings=(*ended.warnings, failed))
             return ended
@@ -63,12 +67,3 @@ def _lacks_figures(path: Path, scene: Scene) -> bool:
     """Whether a run has ended without its figures, as on a full disk."""
     names = [SHAPES] if scene.run is None and scene.path is None else [SHAPES, VOLUME]
     return not all((path / name).exists() for name in names)
-
-
-def _draw(path: Path, scene: Scene, result: Result) -> None:
-    from ..figures import draw, write_surfaces
-
-    if len(result.profiles):
-        write_surfaces(path, scene, result.profiles)
-    parts = result.history, result.profiles, result.status, result.error_bars, result.mode
-    draw(path, scene, *parts)

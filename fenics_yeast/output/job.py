@@ -71,7 +71,7 @@ class Job:
 
         with Job(Path("out/bud"), scene) as job:
             result = job.run()
-            job.complete(result, lambda: draw(job.path, result))
+            job.complete(result, lambda: failed_figures(job.path, lambda: draw(job.path, result)))
 
     Parameters
     ----------
@@ -187,10 +187,10 @@ class Job:
         self._finish(result)
         return result
 
-    def complete(self, result: Result, make: Callable[[], object] | None = None) -> Result:
+    def complete(self, result: Result, make: Callable[[], str | None] | None = None) -> Result:
         """Let interrupts act again, and make on rank 0 what may be interrupted or fail: figures.
 
-        Returns the result, on rank 0 with a warning if `make` failed.
+        Returns the result, on rank 0 with the warning that `make` returns if it failed.
 
         Raises
         ------
@@ -203,7 +203,7 @@ class Job:
         began, failed = perf_counter(), None
         try:
             self.interrupts.release()
-            failed = None if make is None else failed_figures(self.path, make)
+            failed = None if make is None else make()
         except KeyboardInterrupt:
             if result.status != "interrupted":
                 raise

@@ -168,7 +168,13 @@ def build_shell(
     mesh = discretise(scene, counts)
     wall = wall_of(scene, mesh, energy, growth_law)
     comm = dx.MPI.COMM_WORLD if comm is None else comm
-    shell = Shell(mesh, wall, approximation_of(scene), comm)
+
+    def make() -> Shell:
+        shell = Shell(mesh, wall, approximation_of(scene), comm)
+        _ = shell.point_fields  # which every run needs
+        return shell
+
+    shell = dx.compiled_together(comm, make)
     set_force(scene, shell)
     return shell
 
