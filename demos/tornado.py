@@ -1,7 +1,7 @@
 """Which parameter matters: the change of a bud's volume when each of them changes by 1 %.
 
 Derivatives by stresses, times and the wall are exact; those by the shape are differences of runs
-that repeat its steps. In other units of stress, or of length, the cell is the same: two sums vanish.
+that repeat its steps. In other units of stress or length the cell is the same: two sums vanish.
 """
 
 from pathlib import Path

@@ -56,7 +56,8 @@ class Lines:
         if len(result.history) and result.history.rows[-1] != self._printed:
             self._print(result.history.rows[-1])
         if result.error_bars is not None:
-            for cells in [_HEADINGS, *_rows(result.error_bars)]:
+            rows = [*_rows(result.error_bars)]
+            for cells in [_HEADINGS, *rows] if rows else ():
                 print_line("  ".join(f"{cell:>16}" for cell in cells))
             if result.error_bars.message:
                 print_line(result.error_bars.message)
@@ -163,7 +164,8 @@ class ProgressLine:
                 table.add_column(_HEADINGS[i], justify="right")
             for cells in _rows(result.error_bars):
                 table.add_row(*(cells[i] for i in places))
-            self._console.print(table)
+            if table.rows:
+                self._console.print(table)
             if result.error_bars.message:
                 self._console.print(result.error_bars.message)
         for line in (_ending(result, place), *map("warning: {}".format, result.warnings)):

@@ -13,7 +13,7 @@ from ..scene import Scene, SceneError, value_of
 from ..solve import Direction
 from .build import approximation_of, turgor, wall_of
 
-# Keys that change only coefficients of the forms and the pressure, neither nodes nor times.
+# Keys that change coefficients of the forms and the pressure, but neither nodes nor times.
 _EXACT = re.compile(
     r"turgor\.pressure(\.value\.\d+)?"
     r"|wall\.(thickness|shear_modulus|ogden_exponent|young_modulus|poisson_ratio)"

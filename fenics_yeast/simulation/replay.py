@@ -13,7 +13,7 @@ from .history import History
 class Replay:
     """Discretisation of a run: results of runs that share it are smooth in their parameters.
 
-    Otherwise each scene has its own steps and elements, and results jump by a part of the
+    Otherwise steps and elements are chosen for each scene, and jump by a part of the
     tolerance.
 
     Attributes

@@ -34,6 +34,8 @@ from .result import ErrorEstimate
 from .scales import pressure_scale
 from .waves import WaveCheck
 
+_AHEAD = 1.2  # pressure up to which a limit is looked for, over the last one
+
 
 class Static:
     """A run of a scene along its equilibrium path; a context manager.
@@ -175,13 +177,13 @@ class Static:
     def _ended(self, error: PathError) -> Outcome:
         """Distinguish a limit point of the controlled load from a lost path."""
         path, rows, extreme = self._path, self._recorder.rows, self._extreme()
-        if extreme is not None and path.until.pressure is not None:
+        if extreme is not None and path.control == "pressure":
             return limit_pressure_exceeded(extreme.pressure_MPa)
-        if extreme is not None and path.until.force is not None:
+        if extreme is not None and path.control == "force":
             return limit_force_exceeded(extreme.force_uN)
         if path.control == "pressure":
-            ahead = 2 * rows[-1].pressure_MPa - rows[max(0, len(rows) - 2)].pressure_MPa
-            sought = path.until.pressure or ahead
+            # Steps become ever shorter towards a limit point, which is not far ahead then.
+            sought = path.until.pressure or _AHEAD * rows[-1].pressure_MPa
             try:
                 limit = find_limit_pressure(self._shell, sought, self._tolerance)
             except PathError:
@@ -192,7 +194,9 @@ class Static:
         where, stretch = self._describe(rows[-1]), self._recorder.softest_stretch(self._scene.wall)
         if stretch is not None:
             return wall_softened(stretch, where)
-        return Outcome("failed", f"the path could not be followed beyond {where}: {error}")
+        touched = self._recorder.contact is not None
+        through = "; the wall has touched itself before" if touched else ""
+        return Outcome("failed", f"the path could not be followed beyond {where}: {error}{through}")
 
     def _extreme(self) -> Row | None:
         """Return the point of largest absolute load, if the path continued beyond it."""

@@ -40,6 +40,7 @@ from .result import ErrorEstimate, Timings
 from .step_errors import StepErrors
 from .waves import WaveCheck
 
+_SHORTEST = 5  # last steps before no further one is found, in which the wall hardly moves
 _FAILURES = 2  # failed fixed steps in a row after which a limit point is looked for
 _UNCHANGED = 1e-7  # relative change of the volume in a step after which the wall may be at rest
 
@@ -328,7 +329,8 @@ class Transient:
         if (softened := self._softened(where)) is not None:
             return softened
         bifurcation = self._recorder.bifurcation
-        if not rows[-1].stable or (bifurcation and bifurcation[0] == len(rows) - 1):
+        unstable = not all(row.stable for row in rows[-_SHORTEST:])
+        if unstable or (bifurcation and bifurcation[0] == len(rows) - 1):
             return buckled(where)
         if isinstance(reason, str):
             return Outcome("no-equilibrium", f"no equilibrium found beyond {where}: {reason}")

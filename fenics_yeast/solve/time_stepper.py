@@ -88,7 +88,7 @@ class TimeStepper:
     memory
         From how many solutions the next one is predicted; see `Predictor`.
     follower
-        Receives the solution of each stage, and which steps are accepted.
+        Notes the solution of each stage, and which steps are accepted.
 
     Attributes
     ----------
@@ -305,6 +305,6 @@ class TimeStepper:
         return failed + iterations
 
     def note_stage(self, time: float, row: Array) -> None:
-        """Hand the trial state to the follower, if any: see `Follower.solved`."""
+        """Let the follower, if any, note the trial state: see `Follower.solved`."""
         if self._follower is not None:
             self._follower.solved(time, row)

@@ -198,6 +198,17 @@ def test_interrupted_figures_and_error_bars_leave_the_run_as_it_is(
         assert summary["message"] == "reached 20 min" + message
 
 
+def test_a_run_without_error_bars_says_why_and_prints_no_table(here: Path) -> None:
+    small = (here / "small.toml").read_text()
+    cell, turgor = small.index("[cell]"), small.index("[turgor]")
+    path = "[path]\nuntil = { volume_ratio = 1.1 }\nsteps = 2\n"
+    Path("path.toml").write_text(small[cell:turgor] + path)
+    result = call("run", "path.toml", "--error-bars")
+    assert result.exit_code == 0, result.stderr
+    assert "no error bars: an equilibrium path has no saved times" in result.stdout
+    assert "time steps" not in result.stdout
+
+
 def test_an_interrupt_of_the_compilation_leaves_what_the_folder_holds(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

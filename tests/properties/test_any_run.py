@@ -5,7 +5,7 @@ import os
 import pytest
 import tomli_w
 from hypothesis import given, settings
-from support.random_scenes import physical_scenes
+from support.random_scenes import loaded_scenes, physical_scenes
 
 from fenics_yeast import Scene, simulate
 from fenics_yeast.simulation import ANSWERS
@@ -20,3 +20,11 @@ def test_any_physical_scene_has_an_answer(tables: dict[str, object]) -> None:
     result = simulate(Scene.from_toml(tomli_w.dumps(tables)))
     assert result.status in ANSWERS, result.message
     assert result.history.volume_ratio[0] > 0
+
+
+@pytest.mark.slow
+@given(loaded_scenes())
+@settings(max_examples=int(os.environ.get("FUZZ", "160")) // _PART)
+def test_any_elastic_wall_under_any_load_has_an_answer(tables: dict[str, object]) -> None:
+    result = simulate(Scene.from_toml(tomli_w.dumps(tables)))
+    assert result.status in ANSWERS, result.message

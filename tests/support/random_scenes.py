@@ -9,6 +9,7 @@ from hypothesis.strategies import DrawFn
 from . import scenes
 
 SHAPES = ("sphere", "spheroid", "capsule")
+OPEN_SHAPES = ("cap", "disc", "cone", "cylinder")
 EXPONENTS = (-4.0, -2.0, -1.5, -1.0, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
 
 
@@ -58,6 +59,61 @@ def physical_scenes(draw: DrawFn) -> dict[str, Any]:
         "run": {"end": time * draw(between(0.5, 3.0))},
         "numerics": {"tolerance": 0.01},
     }
+
+
+def _pressing(draw: DrawFn, radius: float) -> dict[str, Any]:
+    """Tables of an unloaded cell or a part of one, its wall, and a modest axial force on it."""
+    shape = draw(st.sampled_from((*SHAPES, *OPEN_SHAPES)))
+    cell: dict[str, Any] = {"shape": shape, "diameter": 2 * radius}
+    match shape:
+        case "spheroid":
+            cell["height"] = 2 * radius * draw(between(0.5, 3.0))
+        case "capsule":
+            cell["length"] = 2 * radius * draw(between(1.2, 5.0))
+        case "cap":
+            cell = {"shape": shape, "radius": radius, "half_angle": draw(between(10.0, 120.0))}
+        case "cone":
+            inner = draw(st.sampled_from((0.5, 1.0, 1.5)))
+            cell = {"shape": shape, "outer_diameter": 2 * radius, "inner_diameter": inner * radius}
+            cell["height"] = radius * draw(between(0.1, 2.0))
+        case "cylinder":
+            cell["length"] = radius * draw(between(0.5, 6.0))
+    if shape in OPEN_SHAPES:
+        cell["edge"] = draw(st.sampled_from(("clamped", "hinged")))
+    modulus = draw(between(5.0, 200.0))
+    wall: dict[str, Any] = {"thickness": radius * draw(between(0.01, 0.08))}
+    if draw(st.booleans()):
+        wall |= {"shear_modulus": modulus, "ogden_exponent": draw(st.sampled_from(EXPONENTS))}
+    else:
+        wall |= {"law": "linear", "young_modulus": 3 * modulus, "poisson_ratio": 0.4}
+    return {"cell": cell, "wall": wall, "numerics": {"tolerance": 0.01}}
+
+
+@st.composite
+def loaded_scenes(draw: DrawFn) -> dict[str, Any]:
+    """Tables of elastic walls, closed and open, whose turgor varies in time or along a path."""
+    radius = draw(between(0.5, 10.0))
+    tables = _pressing(draw, radius)
+    wall = tables["wall"]
+    modulus = wall.get("shear_modulus", wall.get("young_modulus", 0.0) / 3)
+    membrane = 2 * wall["thickness"] / radius * modulus  # pressure that strains by about one
+    pressures = st.one_of(between(0.01, 0.5), between(-0.05, -0.001))
+    match draw(st.sampled_from(("table", "external", "path"))):
+        case "table":
+            values = [membrane * draw(pressures) for _ in range(3)]
+            tables["turgor"] = {"pressure": {"time": [0.0, 4.0, 8.0], "value": values}}
+            tables["run"] = {"end": 10.0}
+        case "external":
+            tables["turgor"] = {"pressure": membrane * draw(between(-0.05, -0.001))}
+        case _:
+            control = draw(st.sampled_from(("pressure", "volume", "arc-length")))
+            tables["path"] = {"control": control, "steps": draw(st.integers(5, 60))}
+            tables["path"]["stop_at_contact"] = True  # beyond, a wall goes through itself
+            if tables["cell"]["shape"] != "disc" and draw(st.booleans()):
+                tables["path"]["until"] = {"volume_ratio": draw(between(0.6, 3.0))}
+            else:
+                tables["path"]["until"] = {"pressure": membrane * draw(pressures)}
+    return tables
 
 
 LETTERS = "[]{}\"=.,0123456789-+eE\n abcdefghijklmnopqrstuvwxyzµ°'#_\\\x00"
