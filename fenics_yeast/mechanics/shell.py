@@ -120,7 +120,7 @@ class Shell:
         self.growth = None if law is None else self._growth_state(law, deformation)
         self.forms = Forms(reference, section, self.w, deformation, self.pressure, self.growth)
         self._derivatives: dict[tuple[str, ...], ParameterDerivatives] = {}
-        self._trial, self._measured = self.w.x.array, (np.empty(0), 0.0)
+        self._trial, self._measured = self.w.x.array, (b"", 0.0)
         self._place()
 
     def reset(
@@ -134,7 +134,7 @@ class Shell:
         self._reference.move(discretisation)
         self._parameters.set(self._describe(wall, approximation), self._reference.points)
         self._trial[:] = 0
-        self._measured = np.empty(0), 0.0
+        self._measured = b"", 0.0
         self.pressure.value = np.float64(0)
         if self.growth is not None and wall.growth_law is not None:
             self.growth.reset(self.growing_points, [*wall.growth_law.weights.values()])
@@ -236,11 +236,10 @@ class Shell:
         """Return the volume enclosed by the mid-surface in the trial state, µm³."""
         if self.comm.size > 1:  # assembled by all ranks or by none
             return dx.assemble_scalar(self.forms.volume, self.comm)
-        trial, volume = self._measured
-        if not np.array_equal(trial, self._trial):
-            volume = dx.assemble_scalar(self.forms.volume, self.comm)
-            self._measured = self._trial.copy(), volume
-        return volume
+        trial = self._trial.tobytes()
+        if trial != self._measured[0]:
+            self._measured = trial, dx.assemble_scalar(self.forms.volume, self.comm)
+        return self._measured[1]
 
     def volume_changes(self, changes: Array) -> Array:
         """Return the changes of the volume in µm³ by those of the state, to first order.
