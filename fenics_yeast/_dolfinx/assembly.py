@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .together import Planned
-from .versions import ADD, EVAL_ON_MESH, MPI, dolfinx, fem
+from .versions import ADD, EVAL_ON_MESH, MPI, PETSc, dolfinx, fem
 
 cpp = dolfinx.cpp.fem
 
@@ -39,6 +39,11 @@ def evaluator(
     return evaluate_on_mesh
 
 
+def _packed(form: Any) -> tuple[Any, Any]:
+    """Return constants and coefficients of a compiled form, as the assembly takes them."""
+    return cpp.pack_constants(form), cpp.pack_coefficients(form)
+
+
 def accumulate(function: Any) -> None:
     """Add the contributions assembled into ghosts to their owners."""
     function.x.scatter_reverse(ADD)
@@ -52,7 +57,12 @@ def create_matrix(form: Any) -> Any:
 def assemble_matrix(matrix: Any, form: Any, conditions: Sequence[Any]) -> None:
     """Assemble a compiled bilinear form; constrained rows and columns become those of 1."""
     matrix.zeroEntries()
-    dolfinx.fem.petsc.assemble_matrix(matrix, form, conditions)
+    if EVAL_ON_MESH:
+        dolfinx.fem.petsc.assemble_matrix(matrix, form, conditions)
+    else:  # dolfinx 0.5, without the dispatch of its wrapper
+        cpp.petsc.assemble_matrix(matrix, form, *_packed(form), conditions)
+        matrix.assemble(PETSc.Mat.AssemblyType.FLUSH)
+        cpp.petsc.insert_diagonal(matrix, form.function_spaces[0], conditions, 1.0)
     matrix.assemble()
 
 
@@ -68,13 +78,15 @@ def assemble_vector(values: NDArray[np.float64], form: Any) -> None:
     if EVAL_ON_MESH:
         fem.assemble_vector(values, form)
     else:  # dolfinx 0.5, without the dispatch of its wrapper
-        packed = cpp.pack_constants(form), cpp.pack_coefficients(form)
-        cpp.assemble_vector(values, form, *packed)
+        cpp.assemble_vector(values, form, *_packed(form))
 
 
 def assemble_scalar(form: Any, comm: Any) -> float:
     """Assemble a compiled functional, summed over the ranks."""
     if isinstance(form, Planned):
         return 0.0
-    value = float(fem.assemble_scalar(form))
+    if EVAL_ON_MESH:
+        value = float(fem.assemble_scalar(form))
+    else:
+        value = float(cpp.assemble_scalar(form, *_packed(form)))
     return value if comm.size == 1 else float(comm.allreduce(value, op=MPI.SUM))

@@ -93,8 +93,11 @@ class Forms:
             self.dissipation = self._compile_dissipation(growth)
 
     def update(self) -> None:
-        """Update `consistent_tangent` and `stage_force` to the trial state."""
+        """Update `consistent_tangent` to the trial state."""
         self._dN_dE.update()
+
+    def update_stage_force(self) -> None:
+        """Update `stage_force`, which only paths need, to the trial state."""
         self._dN_dstage.update()
 
     def set_response(self, by_strain: Array) -> None:

@@ -120,7 +120,7 @@ class GrowthState:
         current = start = self.get()
         for iteration in range(_MOST_ITERATIONS):
             following = self._newton_step()
-            change = np.abs(following - current).max(initial=0.0)
+            change = np.maximum.reduce(np.abs(following - current), axis=None, initial=0.0)
             if change < _CONVERGED:
                 self.set(following)
                 return True

@@ -53,6 +53,8 @@ class Order:
 
     def gather(self, values: NDArray[Any]) -> NDArray[Any] | None:
         """Return the ordered values of all ranks on rank 0, None on others."""
+        if self._comm.size == 1:
+            return values[self._order]
         parts = self._comm.gather(values[self._owned])
         return None if parts is None else np.concatenate(parts)[self._order]
 

@@ -120,6 +120,7 @@ class Shell:
         self.growth = None if law is None else self._growth_state(law, deformation)
         self.forms = Forms(reference, section, self.w, deformation, self.pressure, self.growth)
         self._derivatives: dict[tuple[str, ...], ParameterDerivatives] = {}
+        self._trial, self._measured = self.w.x.array, (b"", 0.0)
         self._place()
 
     def reset(
@@ -132,7 +133,8 @@ class Shell:
         """
         self._reference.move(discretisation)
         self._parameters.set(self._describe(wall, approximation), self._reference.points)
-        self.w.x.array[:] = 0
+        self._trial[:] = 0
+        self._measured = b"", 0.0
         self.pressure.value = np.float64(0)
         if self.growth is not None and wall.growth_law is not None:
             self.growth.reset(self.growing_points, [*wall.growth_law.weights.values()])
@@ -222,17 +224,22 @@ class Shell:
     def state(self) -> ShellState:
         """Return a copy of the trial state."""
         eps_g = None if self.growth is None else self.growth.get()
-        return ShellState(self.w.x.array.copy(), eps_g)
+        return ShellState(self._trial.copy(), eps_g)
 
     def restore(self, state: ShellState) -> None:
         """Set the trial state to a copy."""
-        self.w.x.array[:] = state.w
+        self._trial[:] = state.w
         if self.growth is not None and state.eps_g is not None:
             self.growth.set(state.eps_g)
 
     def volume(self) -> float:
         """Return the volume enclosed by the mid-surface in the trial state, µm³."""
-        return dx.assemble_scalar(self.forms.volume, self.comm)
+        if self.comm.size > 1:  # assembled by all ranks or by none
+            return dx.assemble_scalar(self.forms.volume, self.comm)
+        trial = self._trial.tobytes()
+        if trial != self._measured[0]:
+            self._measured = trial, dx.assemble_scalar(self.forms.volume, self.comm)
+        return self._measured[1]
 
     def volume_changes(self, changes: Array) -> Array:
         """Return the changes of the volume in µm³ by those of the state, to first order.

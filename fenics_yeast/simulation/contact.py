@@ -26,14 +26,19 @@ def touches_itself(
         Whether the first and the last node are poles, through which the wall continues.
     """
     every, least = -(-len(r) // _MOST), _APART * thickness
-    points = np.column_stack([r, z])[::every]
-    steps = np.diff(points, axis=0)
-    along = np.append(0.0, np.cumsum(np.hypot(*steps.T)))
+    r, z = r[::every], z[::every]
+    dr, dz = r[1:] - r[:-1], z[1:] - z[:-1]
+    along = np.zeros(len(r))
+    np.cumsum(np.hypot(dr, dz), out=along[1:])
     ways = [along] * poles[0] + [along[-1] - along] * poles[1]  # to the poles
-    far = np.min([*ways, np.full_like(along, np.inf)], axis=0) > least
-    one_way = (steps[:, 1] >= 0).all() or (steps[:, 0] <= 0).all() or (steps[:, 0] >= 0).all()
-    if one_way and points[far, 0].min(initial=np.inf) > thickness:
-        return False  # the common case: no part faces another one or the axis
+    one_way = (dz >= 0).all() or (dr <= 0).all() or (dr >= 0).all()
+    if one_way:
+        facing_axis = ~(r > thickness)
+        for way in ways:
+            facing_axis &= way > least
+        if not facing_axis.any():
+            return False  # the common case: no part faces another one or the axis
+    points = np.column_stack([r, z])
     apart = np.abs(along[:, None] - along)
     across = np.full_like(apart, np.inf)
     for way in ways:

@@ -2,7 +2,8 @@
 
 import hashlib
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass, fields
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,7 @@ class Row:
 
 
 COLUMNS = tuple(field.name for field in fields(Row))
+_values = attrgetter(*COLUMNS)
 
 
 class Digest:
@@ -78,7 +80,7 @@ class Digest:
 
     def add(self, row: Row) -> None:
         """Add a row."""
-        values = [None if value is None else float(value) for value in astuple(row)]
+        values = [None if value is None else float(value) for value in _values(row)]
         self._hash.update(repr(values).encode())
 
     @property

@@ -60,8 +60,9 @@ class Measurements:
         if self._shell.growth is not None:
             values.append(self._shell.growth.get())
         largest = np.zeros(5)
-        largest[: len(values)] = [v.max(initial=-np.inf) for v in values]
-        self._shell.comm.Allreduce(dx.MPI.IN_PLACE, largest, op=dx.MPI.MAX)
+        largest[: len(values)] = [np.maximum.reduce(v, axis=None, initial=-np.inf) for v in values]
+        if self._shell.comm.size > 1:
+            self._shell.comm.Allreduce(dx.MPI.IN_PLACE, largest, op=dx.MPI.MAX)
         below, above, *others = np.where(np.isfinite(largest), largest, 0.0).tolist()
         return Sizes(above + below, *others)
 
@@ -102,7 +103,7 @@ class Measurements:
         if places is not None:
             first, last = (end == "pole" for end in shell.discretisation.ends)
             found = touches_itself(places[:, 0], places[:, 1], shell.thickness, (first, last))
-        return bool(shell.comm.bcast(found))
+        return found if shell.comm.size == 1 else bool(shell.comm.bcast(found))
 
     def compression(self) -> float:
         """Return the largest `r √N` of a compressive resultant N in µN/µm at radius r in µm.

@@ -56,4 +56,6 @@ def step_controller(
 def among(time: float, times: Sequence[float]) -> bool:
     """Whether a time is one of some increasing ones."""
     after = bisect_left(times, time)
-    return any(same_time(time, other) for other in times[max(0, after - 1) : after + 1])
+    if after < len(times) and same_time(time, times[after]):
+        return True
+    return after > 0 and same_time(time, times[after - 1])

@@ -229,6 +229,7 @@ class BorderedNewton:
         else:
             self._column.array[:] = -self._row.array_r / (2 * np.pi)
         if self._growth is not None:
+            shell.forms.update_stage_force()
             equations.assemble(shell.forms.stage_force, self._b.array)
             self._column.aypx(self._ramp[1], self._b)
         if self._plane is not None:

@@ -13,6 +13,7 @@ Newton Methods for Nonlinear Problems, Springer 2004 (simplified Newton methods)
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -24,18 +25,24 @@ from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
 _MOST_ITERATIONS = 40
+_WINDOW, _FALL = 8, 0.5  # iterations in which the residual must fall by this factor
+_MOST_GROWTH = 1e4  # of the residual over that of the guess
 _LONGEST = 1e99  # step in µm; by default PETSc shortens those of more than 1e8
 _SIMILAR_STAGES = 0.1  # relative difference of stages that may share a tangent
+
+# PETSc's reasons to stop; the one for stagnation belongs to another kind of solver.
+_CONVERGED, _NOT_A_NUMBER, _STAGNATED, _DIVERGED = 2, -4, -7, -9
 
 REASONS = {
     -1: "the residual is not defined at the initial guess",
     -2: "too many evaluations of the residual",
     -3: "the linear solver failed",
-    -4: "the residual is not a number",
+    _NOT_A_NUMBER: "the residual is not a number",
     -5: f"no convergence within {_MOST_ITERATIONS} Newton iterations",
     -6: "the line search found no smaller residual",
+    _STAGNATED: f"the residual hardly fell in {_WINDOW} Newton iterations",
     -8: "Newton's method ended in a local minimum of the residual that is no equilibrium",
-    -9: "the residual diverged",
+    _DIVERGED: "the residual diverged",
     -10: "the Jacobian is not defined",
 }
 
@@ -128,10 +135,13 @@ class Equilibrium:
         self._shell, self._reuse_threshold = shell, reuse_threshold
         self._chord: ChordState | None = None
         self._norm = 0.0  # of the residual at the last iteration
+        self._norms: list[float] = []  # of all iterations of a solution
+        self._tolerance, self._hurried = tolerance, False
         self._equations = equations = Equations(shell)
         self._x = equations.matrix.createVecRight()
         self._f = equations.matrix.createVecLeft()
         self.snes = create_newton(shell.comm, "equilibrium_", tolerance)
+        self.snes.setConvergenceTest(self._reason)
         self.snes.setFunction(self._residual, self._f)
         self.snes.setJacobian(self._jacobian, equations.matrix)
         self._solver = self.snes.getKSP()
@@ -159,14 +169,16 @@ class Equilibrium:
         shell, before = self._shell, self._shell.state()
         inflate_flat_membrane(shell, lambda volume, pressure: pressure, float(shell.pressure.value))
         guess = shell.w.x.array[: self._equations.owned].copy()
+        # A shorter step is cheaper than many iterations, but only growth has steps to shorten.
+        self._hurried = shell.growth is not None and bool(shell.growth.stage.value > 0)
         self._x.array[:] = guess
         self.snes.solve(None, self._x)
         try:
             try:
                 iterations = check_convergence(self.snes)
             except EquilibriumError as damped:
-                if shell.growth is not None and shell.growth.stage.value > 0:
-                    raise  # a shorter time step is cheaper
+                if self._hurried:
+                    raise
                 shell.restore(before)
                 self._chord = None
                 self._x.array[:] = guess
@@ -233,6 +245,21 @@ class Equilibrium:
         self._solver.solve(self._f, self._x)
         self._equations.assemble(self._shell.forms.volume_gradient, self._f.array)
         return float(self._f.dot(self._x))
+
+    def _reason(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> int:
+        """Return why to stop, 0 to go on: PETSc's own test, and whether the residual stagnates."""
+        norm, before = norms[2], self._norms
+        if iteration == 0:
+            before.clear()
+        before.append(norm)
+        if norm < self._tolerance:
+            return _CONVERGED
+        if not isfinite(norm):
+            return _NOT_A_NUMBER
+        if norm > _MOST_GROWTH * before[0]:
+            return _DIVERGED
+        stagnates = len(before) > _WINDOW and norm > _FALL * before[-1 - _WINDOW]
+        return _STAGNATED if stagnates and self._hurried else 0
 
     def _residual(self, snes: Any, x: Any, f: Any) -> None:
         self._equations.residual(x.array_r, f.array)

@@ -13,7 +13,7 @@ Solution = tuple[float, Array]
 
 def extrapolate(solutions: Sequence[Solution], at: float) -> Array:
     """Return the value at a parameter of the polynomial (Lagrange) through some solutions."""
-    predicted = np.zeros_like(solutions[-1][1])
+    predicted = np.zeros(len(solutions[-1][1]))
     for i, (t, w) in enumerate(solutions):
         weight = 1.0
         for j, (s, _) in enumerate(solutions):

@@ -64,7 +64,7 @@ class Equations:
 
     def set_trial_if_changed(self, values: Any) -> None:
         """Set the trial state unless, on all ranks, it has these values."""
-        equal = np.array_equal(self._w[: self.owned], values)
+        equal = bool((self._w[: self.owned] == values).all())
         if self.shell.comm.size > 1:
             equal = self.shell.comm.allreduce(equal, op=dx.MPI.LAND)
         if not equal:

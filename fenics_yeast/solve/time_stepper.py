@@ -170,8 +170,10 @@ class TimeStepper:
 
     def volume_error(self, step: StepResult) -> float:
         """Return the estimated error of the trial volume in µm³, right after `attempt`."""
-        exact = step.error is None or not step.error.any()
-        if self.shell.comm.allreduce(exact, op=dx.MPI.LAND) or step.error is None:
+        exact, comm = step.error is None or not step.error.any(), self.shell.comm
+        if comm.size > 1:
+            exact = comm.allreduce(exact, op=dx.MPI.LAND)
+        if exact or step.error is None:
             return 0.0
         return self._equilibrium.volume_change(step.error)
 
