@@ -5,7 +5,19 @@ Knows neither scenes nor dolfinx: everything here is NumPy and SciPy.
 
 from .contour import Smoothing, describe_smoothing, smooth_contour
 from .contour_file import ContourError, read_contour
-from .curves import NEAR, Array, Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
+from .curves import (
+    NEAR,
+    Array,
+    Cap,
+    Capsule,
+    Curve,
+    Parametric,
+    Polygon,
+    Sphere,
+    Straight,
+    spheroid,
+)
+from .displaced import displaced
 from .intervals import Interval, Intervals, apart, edges, merged, neck, polar_extent, within
 from .mesh import Discretisation, place_nodes
 from .supports import CONSTRAINED, Edge, End, Pole, Poles
@@ -23,6 +35,7 @@ __all__ = [
     "End",
     "Interval",
     "Intervals",
+    "Parametric",
     "Pole",
     "Poles",
     "Polygon",
@@ -31,6 +44,7 @@ __all__ = [
     "Straight",
     "apart",
     "describe_smoothing",
+    "displaced",
     "edges",
     "merged",
     "neck",

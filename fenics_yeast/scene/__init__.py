@@ -14,6 +14,7 @@ from .profile_cell import ProfileCell
 from .run import Control, Run, StaticPath, Until
 from .scene import Scene
 from .units import Unit
+from .unloaded import Unloaded
 from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
 from .zone import Zone
 
@@ -21,7 +22,7 @@ __all__ = [
     "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "Geometry", "Grading", "Growth",
     "Integrator", "LinearWall", "Load", "Meridian", "Numerics", "OgdenWall", "Polarity",
     "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
-    "Turgor", "Unit", "Until", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
+    "Turgor", "Unit", "Unloaded", "Until", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
     "flatten", "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of",
     "value_text",
 ]  # fmt: skip
