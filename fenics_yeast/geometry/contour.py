@@ -207,8 +207,8 @@ def _check(points: Array, tolerance: float, edge: bool) -> None:
         raise ContourError("is closed: its first point is on the axis; remove cell.edge")
     if first > reach and not edge:
         raise ContourError(
-            f"is open: its first point is {first:.3g} µm from the axis; both ends must be at r = 0, "
-            'or set cell.edge, e.g. "clamped"'
+            f"is open: its first point is {first:.3g} µm from the axis; both ends must be at "
+            'r = 0, or set cell.edge, e.g. "clamped"'
         )
     if last > reach:
         must = "its top" if edge else "both ends"

@@ -20,9 +20,9 @@ from .zone import Zone
 
 __all__ = [
     "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "Geometry", "Grading", "Growth",
-    "Integrator", "LinearWall", "Load", "Meridian", "Numerics", "OgdenWall", "Polarity",
-    "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
-    "Turgor", "Unit", "Unloaded", "Until", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
-    "flatten", "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of",
-    "value_text",
+    "Integrator", "LinearWall", "Load", "Meridian", "Numerics", "OgdenWall", "Polarity", "Preset",
+    "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
+    "Turgor", "Unit", "Unloaded", "Until", "Wall", "WallZone", "Zone", "estimate_errors",
+    "fields_of", "flatten", "keys_of", "parse_assignment", "parse_value", "unit_symbol",
+    "value_of", "value_text",
 ]  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..geometry import Parametric, displaced
+from ..geometry import Array, Parametric, displaced
 from .errors import refusal
 from .table import ListOf, Table
 from .units import Length
@@ -36,5 +36,5 @@ class Unloaded(Table):
     def curve(self, outline: Parametric, closed: bool) -> Parametric:
         """Return the unloaded meridian, with the parameter of its outline."""
         t = outline.parameter(np.array(self.S))
-        moved = np.column_stack([self.r, self.z]) - np.column_stack(outline.point(t, 0))
+        moved: Array = np.column_stack([self.r, self.z]) - np.column_stack(outline.point(t, 0))
         return displaced(outline, t, moved, (closed, True))

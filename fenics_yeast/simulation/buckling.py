@@ -36,7 +36,10 @@ def buckling_modes(scene: Scene, waves: Sequence[int]) -> Iterator[BucklingMode]
     """
     changes: dict[str, object] = dict.fromkeys(("growth", "run", "load", "septum"))
     pressure = -_SMALL * scene.wall.thickness / scene.cell.radius * pressure_scale(scene)
-    changes |= {"path": {"until": {"pressure": pressure}}, "turgor": {"pressure": 0.0}}
+    changes |= {
+        "path": {"until": {"pressure": pressure}},
+        "turgor": {"pressure": scene.turgor.initial},
+    }
     wall = find_unloaded(scene, dx.MPI.COMM_SELF).with_values(changes)
     shell = build_shell(wall, dx.MPI.COMM_SELF)
     tolerance = residual_tolerance(wall, len(shell.discretisation.nodes))

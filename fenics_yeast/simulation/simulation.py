@@ -30,7 +30,7 @@ from .sensitivity_recorder import SensitivityRecorder
 from .shell_pool import ShellPool
 from .static import Static
 from .transient import Transient
-from .unloaded_shape import find_unloaded
+from .unloaded_shape import find_unloaded, fit_of
 
 _LOG = logging.getLogger(__name__)
 
@@ -210,6 +210,7 @@ class Simulation:
             bifurcation=first_bifurcation(self._scene, recorder),
             mode=recorder.mode,
             sensitivities=None if derivatives is None else derivatives.result(history),
+            unloaded=fit_of(self._scene),
         )
 
     @property

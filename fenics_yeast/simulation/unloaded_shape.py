@@ -13,7 +13,8 @@ from ..scene import ProfileCell, Scene, Unloaded
 from ..solve import InversionError, OutlineInversion
 from .build import approximation_of, wall_of
 from .discretise import divided
-from .ranks import on_root
+from .ranks import RootError, on_root
+from .result import UnloadedShape
 from .scales import residual_tolerance
 
 _ENOUGH = 1e-6  # of the radius: distance between outline and equilibrium
@@ -49,9 +50,22 @@ def find_unloaded(scene: Scene, comm: Any = None, *, energy: OwnLaw | None = Non
     if energy is None and cell.unloaded is not None and cell.unloaded.inputs == inputs:
         return scene
     comm = dx.MPI.COMM_WORLD if comm is None else comm
-    found = on_root(comm, lambda: _found(scene, cell, energy, inputs), UnloadedShapeError)
-    found = comm.bcast(found)
-    return scene.with_values({"cell.unloaded": found})
+    try:
+        found = on_root(comm, lambda: _found(scene, cell, energy, inputs), UnloadedShapeError)
+    except RootError as error:
+        raise error.__cause__ or error from None
+    return scene.with_values({"cell.unloaded": comm.bcast(found)})
+
+
+def fit_of(scene: Scene) -> UnloadedShape | None:
+    """Return how well the unloaded shape of a scene fits its turgid outline, if it has one."""
+    cell = scene.cell
+    if not isinstance(cell, ProfileCell) or cell.unloaded is None:
+        return None
+    outline, found = cell.curve, cell.unloaded
+    S = np.array(found.S)
+    moved = np.hypot(outline.radius(S) - found.r, outline.height(S) - found.z)
+    return UnloadedShape(found.residual_distance, float(moved.max()))
 
 
 def _found(scene: Scene, cell: ProfileCell, energy: OwnLaw | None, inputs: str) -> Unloaded:
@@ -93,11 +107,13 @@ def _found(scene: Scene, cell: ProfileCell, energy: OwnLaw | None, inputs: str) 
 
 
 def _no_shape(error: InversionError, pressure: float) -> str:
-    reached = f"{error.part * pressure:.4g} of {pressure:.6g} MPa"
+    nearest = "no equilibrium was found near the outline"
+    if np.isfinite(error.distance):
+        nearest = f"the nearest equilibrium is {error.distance:.2g} µm from the outline"
     return (
-        f"no unloaded shape found for the turgid outline: its wall was followed to {reached}, and "
-        f"beyond it the closest equilibrium is {error.distance:.2g} µm from the outline; check "
-        "turgor.pressure, wall.thickness and moduli, or increase cell.tolerance"
+        f"no unloaded shape found for the turgid outline: beyond {error.part * pressure:.4g} of "
+        f"{pressure:.6g} MPa, {nearest}; check turgor.pressure, wall.thickness and moduli, or "
+        "increase cell.tolerance"
     )
 
 

@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
 from ..geometry import Array, Discretisation, Parametric, displaced
@@ -187,7 +188,7 @@ def _nowhere(t: Array, order: int) -> tuple[Array, Array]:
 _POINT = Parametric(_nowhere, 0.0)
 
 
-def _nodes(shell: Shell) -> tuple[Array, Array]:
+def _nodes(shell: Shell) -> tuple[Array, NDArray[np.int32]]:
     """Return arc length and DOFs of the nodes, from the lower to the upper end."""
     S, dofs = dx.node_dofs(shell.space)
     order = np.argsort(S)
