@@ -4,7 +4,7 @@ Knows neither scenes nor dolfinx: everything here is NumPy and SciPy.
 """
 
 from .contour import Smoothing, describe_smoothing, smooth_contour
-from .contour_file import ContourError, read_contour
+from .contour_file import Contour, ContourError, read_contour, read_contours
 from .curves import (
     NEAR,
     Array,
@@ -17,7 +17,8 @@ from .curves import (
     Straight,
     spheroid,
 )
-from .displaced import displaced
+from .displaced import curve_through, displaced
+from .distances import Distances, aligned_distances, signed_distances
 from .intervals import Interval, Intervals, apart, edges, merged, neck, polar_extent, within
 from .mesh import Discretisation, place_nodes
 from .supports import CONSTRAINED, Edge, End, Pole, Poles
@@ -28,9 +29,11 @@ __all__ = [
     "Array",
     "Cap",
     "Capsule",
+    "Contour",
     "ContourError",
     "Curve",
     "Discretisation",
+    "Distances",
     "Edge",
     "End",
     "Interval",
@@ -42,7 +45,9 @@ __all__ = [
     "Smoothing",
     "Sphere",
     "Straight",
+    "aligned_distances",
     "apart",
+    "curve_through",
     "describe_smoothing",
     "displaced",
     "edges",
@@ -51,6 +56,8 @@ __all__ = [
     "place_nodes",
     "polar_extent",
     "read_contour",
+    "read_contours",
+    "signed_distances",
     "smooth_contour",
     "spheroid",
     "within",

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _dolfinx as dx
-from ..geometry import Array, Discretisation, Parametric, displaced
+from ..geometry import Array, Discretisation, Parametric, curve_through, displaced
 from ..mechanics import Shell
 from .equilibrium import Equilibrium, EquilibriumError
 
@@ -169,8 +169,7 @@ class OutlineInversion:
             equilibrium.solve()
         found = motion[dofs[:, :2]] + np.column_stack([curve.radius(S), curve.height(S)])
         found -= np.column_stack(meridian.point(t, 0))  # elements may be straight
-        still = displaced(_POINT, t, found, self._poles)
-        return np.column_stack(still.point(self._t, 0))
+        return np.column_stack(curve_through(t, found, self._poles).point(self._t, 0))
 
     def _parameters(self, meridian: Parametric, shell: Shell) -> Array:
         """Return the parameters of the nodes of a shell, the ends exactly."""
@@ -179,13 +178,6 @@ class OutlineInversion:
         t = meridian.parameter(np.interp(S, shell.discretisation.nodes, along))
         t[[0, -1]] = 0.0, meridian.end
         return t
-
-
-def _nowhere(t: Array, order: int) -> tuple[Array, Array]:
-    return np.zeros_like(t), np.zeros_like(t)
-
-
-_POINT = Parametric(_nowhere, 0.0)
 
 
 def _nodes(shell: Shell) -> tuple[Array, NDArray[np.int32]]:

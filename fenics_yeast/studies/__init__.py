@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from .cases import Case, parse_variation, plan, value_label
 from .execution import run_sweep
+from .outlines import Outline, OutlineData, meridian_of, read_outlines
 from .table import TABLE, CaseRow, read_table
 
 if TYPE_CHECKING:
@@ -15,8 +16,9 @@ if TYPE_CHECKING:
     from .figure import draw_sweep
 
 __all__ = [
-    "TABLE", "Case", "CaseRow", "differences", "draw_sweep", "estimate_error_bars",
-    "parse_variation", "plan", "read_table", "run_sweep", "simulate_with_derivatives",
+    "TABLE", "Case", "CaseRow", "Outline", "OutlineData", "differences", "draw_sweep",
+    "estimate_error_bars", "meridian_of", "parse_variation", "plan", "read_outlines",
+    "read_table", "run_sweep", "simulate_with_derivatives",
     "value_label",
 ]  # fmt: skip
 
