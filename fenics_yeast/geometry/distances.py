@@ -83,7 +83,7 @@ def aligned_distances(curve: Parametric, points: Array) -> Distances:
     for _ in range(_SHIFTS):
         found = signed_distances(curve, points + np.array([0.0, shift]))
         axial = found.normal[:, 1]
-        step = -float(axial @ found.distance) / max(float(axial @ axial), np.finfo(float).tiny)
+        step = -float(axial @ found.distance) / (float(axial @ axial) or 1.0)
         shift += step
         if abs(step) < _STILL * np.ptp(points):
             break

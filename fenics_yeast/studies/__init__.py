@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from .cases import Case, parse_variation, plan, value_label
 from .execution import run_sweep
 from .outlines import Outline, OutlineData, meridian_of, read_outlines
+from .paired import read_paired
 from .table import TABLE, CaseRow, read_table
 
 if TYPE_CHECKING:
@@ -18,8 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "TABLE", "Case", "CaseRow", "Outline", "OutlineData", "differences", "draw_sweep",
     "estimate_error_bars", "meridian_of", "parse_variation", "plan", "read_outlines",
-    "read_table", "run_sweep", "simulate_with_derivatives",
-    "value_label",
+    "read_paired", "read_table", "run_sweep", "simulate_with_derivatives", "value_label",
 ]  # fmt: skip
 
 # Names whose modules load dolfinx or figures.
