@@ -2,8 +2,9 @@
 
 A fixed point, accelerated by Anderson's method: the displacement from an assumed meridian to its
 equilibrium is the next one to be taken off the outline. Each equilibrium starts from the outline,
-so that the branch is its own even close to a limit point. If the whole pressure fails, it is
-raised in steps, and the displacement is extrapolated from one to the next.
+so that the branch is its own even close to a limit point. If the whole pressure fails, or leads to
+an unstable equilibrium such as a folded wall, it is raised in steps, and the displacement is
+extrapolated from one to the next.
 
 References
 ----------
@@ -22,6 +23,7 @@ from .. import _dolfinx as dx
 from ..geometry import Array, Discretisation, Parametric, curve_through, displaced
 from ..mechanics import Shell
 from .equilibrium import Equilibrium, EquilibriumError
+from .stability import Stability
 
 _MEMORY = 6  # displacements that Anderson's method combines
 _MOST, _MOST_BETWEEN = 60, 20  # equilibria at the pressure, and at one between
@@ -58,6 +60,10 @@ class InversionError(RuntimeError):
         self.part, self.distance = part, distance
 
 
+class _LostError(Exception):
+    """An equilibrium farther from the outline than its size."""
+
+
 class OutlineInversion:
     """An outline, and the wall that is to be inflated to it, on one rank.
 
@@ -88,7 +94,10 @@ class OutlineInversion:
         mesh = mesh_on(outline)
         lower, upper = mesh.ends
         self._poles = lower == "pole", upper == "pole"
-        self._t = self._parameters(outline, shell_on(mesh))
+        self._shell = shell_on(mesh)
+        self._t = self._parameters(outline, self._shell)
+        places = outline.point(self._t, 0)
+        self._radius, self._size = float(places[0].max()), float(max(map(np.ptp, places)))
         self._equilibria, self._distance = 0, np.inf
 
     def solve(self, pressure: float, distance: float) -> InverseShape:
@@ -100,10 +109,9 @@ class OutlineInversion:
             If there is none, or it was not found.
         """
         found, step = [(0.0, np.zeros((len(self._t), 2)))], 1.0
-        radius = float(self._outline.point(self._t, 0)[0].max())
         while (reached := found[-1][0]) < 1:
             part = min(1.0, reached + step)
-            enough = distance if part == 1 else max(distance, _BETWEEN * radius)
+            enough = distance if part == 1 else max(distance, _BETWEEN * self._radius)
             before, guess = self._equilibria, _extrapolated(found[-3:], part)
             displacement = self._fixed_point(guess, part * pressure, enough, part == 1)
             if displacement is None:
@@ -128,8 +136,10 @@ class OutlineInversion:
             nonlocal best
             assumed = flat.reshape(-1, 2)
             change = self._inflated(assumed, pressure) - assumed
-            self._distance = float(np.hypot(*change.T).max())
-            best = min(best, (self._distance, assumed.copy()), key=lambda pair: pair[0])
+            distance = float(np.hypot(*change.T).max())
+            if distance > self._size:
+                raise _LostError
+            best = min(best, (distance, assumed.copy()), key=lambda pair: pair[0])
             return np.ravel(change)
 
         options = {
@@ -140,17 +150,23 @@ class OutlineInversion:
         }
         try:
             root(change, guess.ravel(), method="anderson", options=options)
-        except (EquilibriumError, np.linalg.LinAlgError):
-            return None
-        finally:
+            self._distance, displacement = best
+            if self._distance <= enough and self._is_stable(displacement, pressure):
+                return displacement
+        except (_LostError, EquilibriumError, np.linalg.LinAlgError):
             self._distance = best[0]
-        return best[1] if best[0] <= enough else None
+        return None
+
+    def _is_stable(self, assumed: Array, pressure: float) -> bool:
+        self._inflated(assumed, pressure)
+        with Stability(self._shell) as stability:
+            return stability.negative_modes() == 0
 
     def _inflated(self, assumed: Array, pressure: float) -> Array:
         """Return the displacement to the equilibrium of a meridian, at the outline's parameters."""
         self._equilibria += 1
         meridian = displaced(self._outline, self._t, -assumed, self._poles)
-        shell = self._shell_on(self._mesh_on(meridian))
+        self._shell = shell = self._shell_on(self._mesh_on(meridian))
         curve = shell.discretisation.curve
         S, dofs = _nodes(shell)
         t = self._parameters(meridian, shell)

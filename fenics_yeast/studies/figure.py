@@ -88,9 +88,10 @@ def _draw_line(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title
     alone = len(labels) == 1
     with curve_axes(path, labels[0] if alone else "case", "volume V/V₀") as axes:
         places: list[float | str] = [
-            row.values[0] if alone else i + 1 for i, row in enumerate(rows)
+            row.values[0] if alone else str(i) for i, row in enumerate(rows, 1)
         ]
-        axes.plot(places, [row.end_ratio or np.nan for row in rows], "o-", color=COLOURS[0])
+        marks = "o-" if alone else "o"
+        axes.plot(places, [row.end_ratio or np.nan for row in rows], marks, color=COLOURS[0])
         axes.set_title(plain(title))
 
 
