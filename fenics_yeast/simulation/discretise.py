@@ -21,7 +21,7 @@ from ..geometry import (
     place_nodes,
     within,
 )
-from ..scene import Scene
+from ..scene import ProfileCell, Scene
 
 Reference = Callable[[Array], tuple[Curve, Array]]
 
@@ -41,6 +41,16 @@ def discretise(scene: Scene, counts: Sequence[int] = ()) -> Discretisation:
         outline has not been found; see `find_unloaded`.
     """
     return divided(scene, scene.cell.reference, counts)
+
+
+def is_turgid_outline(scene: Scene) -> bool:
+    """Whether a scene gives the outline of a turgid cell, so that its unloaded shape is found."""
+    return isinstance(scene.cell, ProfileCell) and scene.cell.outline_is == "turgid"
+
+
+def element_counts(scene: Scene) -> tuple[int, ...]:
+    """Return the numbers of elements between places that must be nodes."""
+    return divided(scene, lambda S: (scene.cell.curve, S)).counts
 
 
 def divided(scene: Scene, reference: Reference, counts: Sequence[int] = ()) -> Discretisation:

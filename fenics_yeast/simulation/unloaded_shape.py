@@ -17,7 +17,7 @@ from .ranks import RootError, on_root
 from .result import UnloadedShape
 from .scales import residual_tolerance
 
-_ENOUGH = 1e-7  # of the radius: distance between outline and equilibrium
+_ENOUGH = 1e-6  # of the radius: distance between outline and equilibrium
 
 
 class UnloadedShapeError(RuntimeError):

@@ -13,6 +13,7 @@ M. Sellier, An iterative method for the inverse elasto-static problem, J. Fluids
 1461-1470 (the fixed point).
 """
 
+import warnings
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -26,7 +27,8 @@ from .equilibrium import Equilibrium, EquilibriumError
 from .stability import Stability
 
 _MEMORY = 6  # displacements that Anderson's method combines
-_MOST, _MOST_BETWEEN = 60, 20  # equilibria at the pressure, and at one between
+_MOST, _MOST_BETWEEN = 40, 20  # equilibria at the pressure, and at one between
+_FINALLY = 1e-3  # of the distance that is enough: then differences of runs are smooth, too
 _BETWEEN = 1e-3  # of the radius: distance that is good enough at a pressure between
 _QUICK = 8  # equilibria after which the next step of the pressure is longer
 _LONGER, _SHORTER = 1.5, 0.5
@@ -128,7 +130,8 @@ class OutlineInversion:
         self, guess: Array, pressure: float, enough: float, last: bool
     ) -> Array | None:
         """Return the displacement that is its own equilibrium's; None if it is not found."""
-        from scipy.optimize import root  # late, as few scenes need it
+        from scipy.linalg import LinAlgWarning  # late, as few scenes need it
+        from scipy.optimize import root
 
         best = np.inf, guess
 
@@ -142,23 +145,25 @@ class OutlineInversion:
             best = min(best, (distance, assumed.copy()), key=lambda pair: pair[0])
             return np.ravel(change)
 
+        stop = _FINALLY * enough if last else enough
         options = {
-            "fatol": enough / np.sqrt(2),
+            "fatol": stop / np.sqrt(2),
             "maxiter": _MOST if last else _MOST_BETWEEN,
             "line_search": None,
             "jac_options": {"alpha": 1.0, "M": _MEMORY},
         }
         try:
-            root(change, guess.ravel(), method="anderson", options=options)
-            self._distance, displacement = best
-            if self._distance <= enough and self._is_stable(displacement, pressure):
-                return displacement
-        except (_LostError, EquilibriumError, np.linalg.LinAlgError):
-            self._distance = best[0]
-        return None
+            with warnings.catch_warnings(), np.errstate(invalid="ignore"):
+                warnings.simplefilter("error", LinAlgWarning)  # only round-off is left to combine
+                root(change, guess.ravel(), method="anderson", options=options)
+        except (_LostError, EquilibriumError, LinAlgWarning, np.linalg.LinAlgError):
+            pass
+        self._distance, displacement = best
+        good = self._distance <= enough and self._is_stable(displacement, pressure)
+        return displacement if good else None
 
     def _is_stable(self, assumed: Array, pressure: float) -> bool:
-        self._inflated(assumed, pressure)
+        self._inflated(assumed, pressure)  # as before, hence found
         with Stability(self._shell) as stability:
             return stability.negative_modes() == 0
 

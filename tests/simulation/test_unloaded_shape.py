@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq, fsolve
 from support.shapes import ellipse, parametric
 
-from fenics_yeast import Scene, simulate
+from fenics_yeast import Scene, SceneError, simulate
 from fenics_yeast.geometry import signed_distances
 from fenics_yeast.simulation import (
     UnloadedShapeError,
@@ -13,8 +13,10 @@ from fenics_yeast.simulation import (
     discretise,
     find_unloaded,
     fit_of,
+    has_exact_sensitivity,
     pieces,
 )
+from fenics_yeast.studies import simulate_with_derivatives
 
 WALL = {"thickness": 0.1, "shear_modulus": 40.0, "ogden_exponent": 2.0}
 
@@ -174,6 +176,27 @@ def test_a_piece_has_the_unloaded_shape_of_the_whole_to_the_last_bit():
     found = find_unloaded(outline)
     for piece in pieces(outline, 5.0):
         assert find_unloaded(piece).cell.unloaded == found.cell.unloaded
+
+
+# Derivatives ----------------------------------------------------------------------------------
+
+
+def test_a_derivative_by_turgor_includes_the_change_of_the_unloaded_shape():
+    """V/V0 = λ³ with 1 - λ⁻⁶ = p r/(2 μ h), by differences."""
+    stretch, radius = 1.1, 3.0
+    pressure = 2 * 40.0 * 0.1 * (1 - stretch**-6) / radius
+    outline = turgid(*ellipse(80, radius, radius), pressure, wall={"bending": False},
+                     run={"end": 1.0, "save": [1.0]})  # fmt: skip
+    keys = ["turgor.pressure", "wall.shear_modulus"]
+    assert not any(has_exact_sensitivity(outline, key) for key in keys)
+    assert has_exact_sensitivity(outline.with_values(GROWTH), "growth.threshold")
+    with pytest.raises(SceneError, match="as the unloaded shape depends on it; use studies"):
+        simulate(outline, sensitivities=keys)
+    found = simulate_with_derivatives(outline, keys).sensitivities
+    by_pressure = 3 * stretch**2 * stretch**7 / 6 * radius / (2 * 40.0 * 0.1)
+    assert found.volume_ratio[-1] == pytest.approx(
+        [by_pressure, -by_pressure * pressure / 40.0], rel=1e-4
+    )
 
 
 # What is kept ---------------------------------------------------------------------------------
