@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from .cases import Case, parse_variation, plan, value_label
 from .execution import run_sweep
-from .outlines import Outline, OutlineData, meridian_of, read_outlines
 from .paired import read_paired
 from .table import TABLE, CaseRow, read_table
 
@@ -15,18 +14,23 @@ if TYPE_CHECKING:
     from .derivatives import differences, simulate_with_derivatives
     from .error_bars import estimate_error_bars
     from .figure import draw_sweep
+    from .outlines import OutlineResiduals, compare_outlines, distances, outline_residuals
 
 __all__ = [
-    "TABLE", "Case", "CaseRow", "Outline", "OutlineData", "differences", "draw_sweep",
-    "estimate_error_bars", "meridian_of", "parse_variation", "plan", "read_outlines",
-    "read_paired", "read_table", "run_sweep", "simulate_with_derivatives", "value_label",
+    "TABLE", "Case", "CaseRow", "OutlineResiduals", "compare_outlines", "differences",
+    "distances", "draw_sweep", "estimate_error_bars", "outline_residuals", "parse_variation",
+    "plan", "read_paired", "read_table", "run_sweep", "simulate_with_derivatives", "value_label",
 ]  # fmt: skip
 
 # Names whose modules load dolfinx or figures.
 _LATE = {
+    "OutlineResiduals": "outlines",
+    "compare_outlines": "outlines",
     "differences": "derivatives",
+    "distances": "outlines",
     "draw_sweep": "figure",
     "estimate_error_bars": "error_bars",
+    "outline_residuals": "outlines",
     "simulate_with_derivatives": "derivatives",
 }
 

@@ -5,8 +5,9 @@ import pytest
 from support.shapes import ellipse
 
 from fenics_yeast import Scene, SceneError, simulate
+from fenics_yeast.scene import MeasuredOutlines, read_outlines
 from fenics_yeast.simulation import Profile, Profiles
-from fenics_yeast.studies import OutlineData, read_outlines
+from fenics_yeast.studies import compare_outlines, distances, outline_residuals
 
 
 def write(path, r, z, shift=0.0):
@@ -28,6 +29,18 @@ def profile(time: float, radius: float, nodes: int = 40) -> Profile:
 
 
 GROWN = Profiles((profile(0, 2.0), profile(30, 2.5), profile(60, 3.0)))
+
+
+BUD = Scene.model_validate(
+    {
+        "cell": {"shape": "sphere", "diameter": 5.0},
+        "wall": {"thickness": 0.1, "shear_modulus": 40.0, "ogden_exponent": 2.0},
+        "turgor": {"pressure": 0.20265},
+        "growth": {"zone": {"pole": "top", "half_angle": 24.0}, "threshold": 1.0, "time": 20.0},
+        "run": {"end": 20.0, "save": [10.0, 20.0]},
+        "numerics": {"thickness_points": 3, "elements": 30},
+    }
+)
 
 
 # Reading --------------------------------------------------------------------------------------
@@ -83,58 +96,93 @@ def test_outlines_without_files_or_times_are_refused(tmp_path, names, pattern, t
 # Comparing ------------------------------------------------------------------------------------
 
 
-def data(tmp_path, radii: dict[float, float], noise: float = 1.0, shift: float = 0.0):
+def data(tmp_path, radii: dict[float, float], shift: float = 0.0, **keys) -> MeasuredOutlines:
     for time, radius in radii.items():
         write(tmp_path / f"cell_{time}min.csv", *half(radius), shift)
-    return OutlineData(read_outlines(tmp_path / "cell_*.csv"), noise)
+    return MeasuredOutlines(read_outlines(tmp_path / "cell_*.csv"), **keys)
 
 
 def test_residuals_of_spheres_are_the_differences_of_radii_over_the_noise(tmp_path):
     """Wherever the image has its origin."""
-    outlines = data(tmp_path, {0: 2.1, 30: 2.5, 60: 2.8}, noise=0.05, shift=17.0)
+    outlines = data(tmp_path, {0: 2.1, 30: 2.5, 60: 2.8}, shift=17.0, noise=0.05)
     assert outlines.times == (0, 30, 60)
     expected = np.repeat([0.1, 0.0, -0.2], 60) / 0.05
-    np.testing.assert_allclose(outlines.residuals(GROWN), expected, atol=1e-4)
+    np.testing.assert_allclose(outline_residuals(outlines, GROWN), expected, atol=1e-4)
 
 
-def test_the_clock_of_the_outlines_may_begin_later_than_the_run(tmp_path):
-    outlines = data(tmp_path, {0: 2.5, 30: 3.0})
-    np.testing.assert_allclose(outlines.residuals(GROWN, offset=30.0), 0, atol=1e-5)
+def test_the_clock_of_the_outlines_may_begin_before_the_run(tmp_path):
+    outlines = data(tmp_path, {10: 2.0, 40: 2.5}, offset=10.0)
+    assert outlines.times == (0, 30)
+    np.testing.assert_allclose(outline_residuals(outlines, GROWN), 0, atol=1e-5)
+    with pytest.raises(SceneError, match=r"cell_10min\.csv: 10 min is before the run begins"):
+        MeasuredOutlines(outlines.outlines, offset=20.0)
+
+
+def test_a_time_that_was_not_saved_is_named(tmp_path):
     with pytest.raises(KeyError, match=r"no profile at 20 min; add it to run\.save"):
-        outlines.residuals(GROWN, offset=20.0)
+        outline_residuals(data(tmp_path, {20: 2.0}), GROWN)
+
+
+def test_residuals_grow_continuously_beyond_the_end_of_a_run(tmp_path):
+    late = [data(tmp_path / str(i), {time: 3.0}) for i, time in enumerate((60, 60.001, 80))
+            if (tmp_path / str(i)).mkdir() is None]  # fmt: skip
+    first, next_one, last = (abs(outline_residuals(one, GROWN)).max() for one in late)
+    assert first < 1e-4 and next_one < 2e-3 and last > 5
 
 
 def test_a_given_shift_is_kept(tmp_path):
     (outline,) = data(tmp_path, {30: 2.5}).outlines
-    found = outline.distances(GROWN.at(30), shift=0.1)
+    found = distances(outline, GROWN.at(30), shift=0.1)
     cosine = outline.points[:, 1] / 2.5
     np.testing.assert_allclose(found.distance, np.sqrt(2.5**2 + 0.01 + 0.5 * cosine) - 2.5,
                                atol=1e-5)  # fmt: skip
     assert found.shift == 0.1
-    assert outline.distances(GROWN.at(30)).shift == pytest.approx(0, abs=1e-7)
+    assert distances(outline, GROWN.at(30)).shift == pytest.approx(0, abs=1e-7)
+
+
+def of_run(tmp_path, result, times=(10, 20)) -> MeasuredOutlines:
+    """What a microscope would see of a run without noise."""
+    for time in times:
+        points = result.profiles.at(time)
+        write(tmp_path / f"cell_{time}min.csv", points.r, points.z, shift=3.0)
+    return MeasuredOutlines(read_outlines(tmp_path / "cell_*.csv"))
 
 
 def test_the_outline_of_a_run_is_at_no_distance_from_it(tmp_path, bud_run):
     """Points between the nodes lie on the curve through them, poles of the bud included."""
     result, finer = bud_run
-    for time in (10, 20):
-        points = finer.profiles.at(time)
-        write(tmp_path / f"cell_{time}min.csv", points.r, points.z, shift=3.0)
-    outlines = OutlineData(read_outlines(tmp_path / "cell_*.csv"))
-    assert abs(outlines.residuals(result.profiles)).max() < 1e-4
+    outlines = of_run(tmp_path, finer)
+    assert abs(outline_residuals(outlines, result.profiles)).max() < 1e-4
+
+
+def test_a_stiffer_sphere_moves_all_residuals_alike(tmp_path):
+    """By the closed form of a membrane."""
+    scene = BUD.with_values(
+        {"growth": None, "wall.bending": False, "run.end": 1.0, "run.save": [1.0]}
+    )
+    seen = simulate(scene)
+    found = compare_outlines(scene, of_run(tmp_path, seen, (1,)), ["wall.shear_modulus"])
+    # 1 - λ⁻⁶ = p R λ/(2 μ h), of a sphere of radius R
+    stretch = seen.profiles.all[-1].r.max() / 2.5
+    load = 0.20265 * 2.5 / (2 * 40.0 * 0.1)
+    slope = -load * stretch / 40.0 / (6 * stretch**-7 - load)
+    assert found.complete and abs(found.residuals).max() < 1e-6
+    np.testing.assert_allclose(found.jacobian[:, 0], -2.5 * slope, rtol=1e-3)
+
+
+@pytest.mark.slow
+def test_outlines_give_the_parameters_back_that_made_them(tmp_path, bud_run):
+    """Gauss-Newton by these derivatives, from values that are 5 % off."""
+    outlines, names = of_run(tmp_path, bud_run[0]), ["growth.threshold", "growth.time"]
+    x = np.array([1.05, 19.0])
+    for _ in range(4):
+        scene = BUD.with_values(dict(zip(names, x.tolist(), strict=True)))
+        found = compare_outlines(scene, outlines, names)
+        x = x - np.linalg.lstsq(found.jacobian, found.residuals, rcond=None)[0]
+    np.testing.assert_allclose(x, [1.0, 20.0], rtol=2e-4)
 
 
 @pytest.fixture(scope="module")
 def bud_run():
     """A bud, and the same one on more elements."""
-    scene = Scene.model_validate(
-        {
-            "cell": {"shape": "sphere", "diameter": 5.0},
-            "wall": {"thickness": 0.1, "shear_modulus": 40.0, "ogden_exponent": 2.0},
-            "turgor": {"pressure": 0.20265},
-            "growth": {"zone": {"pole": "top", "half_angle": 24.0}, "threshold": 1.0, "time": 20.0},
-            "run": {"end": 20.0, "save": [10.0, 20.0]},
-            "numerics": {"thickness_points": 3, "elements": 30},
-        }
-    )
-    return simulate(scene), simulate(scene.with_values({"numerics.elements": 60}))
+    return simulate(BUD), simulate(BUD.with_values({"numerics.elements": 60}))
