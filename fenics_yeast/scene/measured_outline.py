@@ -77,6 +77,27 @@ class MeasuredOutlines:
                 "offset to the time at which growth began"
             )
 
+    @classmethod
+    def read(
+        cls,
+        pattern: str | Path,
+        *,
+        noise: float,
+        times: Sequence[float] | None = None,
+        scale: float | None = None,
+        offset: float = 0.0,
+        set: Mapping[str, object] | None = None,
+    ) -> MeasuredOutlines:
+        """Read outlines from a file or many; see `read_outlines` and the attributes.
+
+        Raises
+        ------
+        SceneError
+            If they cannot be read, or do not belong to a run.
+        """
+        outlines = read_outlines(pattern, times=times, scale=scale)
+        return cls(outlines, noise, offset, set or {})
+
     @property
     def times(self) -> tuple[float, ...]:
         """Times in min of the run at which it must be saved."""

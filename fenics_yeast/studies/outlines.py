@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from .._mpi import MPI
 from ..geometry import (
     Array,
     Distances,
@@ -99,12 +100,11 @@ def compare_outlines(
     keys: Sequence[str] = (),
     *,
     shells: ShellPool | None = None,
-    comm: Any = None,
 ) -> OutlineResiduals:
     """Run a scene and compare it with outlines; differentiate the residuals by numbers of it.
 
     The run ends at the last outline. Each key costs two runs, which repeat the accepted steps and
-    the mesh of the first one: central differences.
+    the mesh of the first one: central differences. Each rank makes its own runs.
 
     Parameters
     ----------
@@ -112,15 +112,15 @@ def compare_outlines(
         The scene, in which the values of `MeasuredOutlines.set` are set, and the outlines.
     keys
         Dotted keys of numbers, such as ``growth.threshold``.
-    shells, comm
-        As in `simulate`.
+    shells
+        As in `simulate`; with a pool, further runs of a kind compile nothing.
     """
     times = [time for time in measured.times if time > 0] or [1e-9]
     span = {"run.end": times[-1], "run.save": sorted({0.0, *measured.times, times[-1]})}
     scene = scene.with_values({**measured.set, **span})
     with ShellPool() as own:
         pool = own if shells is None else shells
-        result = simulate(scene, shells=pool, comm=comm)
+        result = simulate(scene, shells=pool, comm=MPI.COMM_SELF)
         run = Replay.of(scene, result.history)
         residuals = outline_residuals(measured, result.profiles)
         jacobian = np.zeros((len(residuals), len(keys)))
@@ -131,7 +131,7 @@ def compare_outlines(
             sides = []
             for sign in (1, -1):
                 side = scene.with_values({key: value + sign * change})
-                ended = simulate(side, replay=run, shells=pool, comm=comm)
+                ended = simulate(side, replay=run, shells=pool, comm=MPI.COMM_SELF)
                 statuses.append(ended.status)
                 sides.append(outline_residuals(measured, ended.profiles))
             jacobian[:, i] = (sides[0] - sides[1]) / (2 * change)

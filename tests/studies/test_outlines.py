@@ -99,7 +99,7 @@ def test_outlines_without_files_or_times_are_refused(tmp_path, names, pattern, t
 def data(tmp_path, radii: dict[float, float], shift: float = 0.0, **keys) -> MeasuredOutlines:
     for time, radius in radii.items():
         write(tmp_path / f"cell_{time}min.csv", *half(radius), shift)
-    return MeasuredOutlines(read_outlines(tmp_path / "cell_*.csv"), **keys)
+    return MeasuredOutlines.read(tmp_path / "cell_*.csv", **{"noise": 1.0} | keys)
 
 
 def test_residuals_of_spheres_are_the_differences_of_radii_over_the_noise(tmp_path):
@@ -116,6 +116,11 @@ def test_the_clock_of_the_outlines_may_begin_before_the_run(tmp_path):
     np.testing.assert_allclose(outline_residuals(outlines, GROWN), 0, atol=1e-5)
     with pytest.raises(SceneError, match=r"cell_10min\.csv: 10 min is before the run begins"):
         MeasuredOutlines(outlines.outlines, offset=20.0)
+
+
+def test_outlines_without_noise_are_refused(tmp_path):
+    with pytest.raises(SceneError, match=r"noise = 0: expected a length > 0 \(µm\)"):
+        data(tmp_path, {0: 2.0}, noise=0.0)
 
 
 def test_a_time_that_was_not_saved_is_named(tmp_path):
@@ -145,7 +150,7 @@ def of_run(tmp_path, result, times=(10, 20)) -> MeasuredOutlines:
     for time in times:
         points = result.profiles.at(time)
         write(tmp_path / f"cell_{time}min.csv", points.r, points.z, shift=3.0)
-    return MeasuredOutlines(read_outlines(tmp_path / "cell_*.csv"))
+    return MeasuredOutlines.read(tmp_path / "cell_*.csv", noise=1.0)
 
 
 def test_the_outline_of_a_run_is_at_no_distance_from_it(tmp_path, bud_run):
