@@ -52,7 +52,7 @@ for name, shape, edge, panel, colour in cases:
     panel.set(xlabel="r (µm)", ylabel="z (µm)", aspect="equal", title=name)
 panels[0].set_ylim(top=6.4)
 panels[0].legend(frameon=False, loc="upper center", fontsize=7)
-errors.set(xlabel="fraction of the outline, from below", ylabel="missed by (nm)", ylim=(1e-7, 1))
+errors.set(xlabel="fraction of the outline, from below", ylabel="missed by (nm)", ylim=(1e-9, 1))
 errors.legend(frameon=False, fontsize=7, loc="upper left")
 Path("out").mkdir(exist_ok=True)
 fig.savefig("out/turgid_outline.png", dpi=200)
