@@ -27,7 +27,7 @@ from .exits import (
     on_terminal,
     terminated_as_interrupted,
 )
-from .options import Assignments, Quiet, SceneFile, completed
+from .options import Assignments, PairedValues, Quiet, SceneFile, Variations
 
 if TYPE_CHECKING:
     from ..simulation import Result
@@ -138,15 +138,8 @@ def _run(
 @app.command()
 def sweep(
     scene_file: SceneFile,
-    variations: Annotated[
-        list[str],
-        typer.Option(
-            "--vary",
-            metavar="TABLE.KEY=V1,V2,...",
-            help="Values V1,V2,... or range A:B:N (N values from A to B); repeatable.",
-            autocompletion=completed,
-        ),
-    ],
+    variations: Variations = None,
+    paired: PairedValues = None,
     assignments: Assignments = None,
     out: Annotated[
         Path | None,
@@ -167,19 +160,17 @@ def sweep(
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run all combinations of parameter values.
+    """Run all combinations of parameter values, or of rows of a table.
 
     Writes a subdirectory per case, sweep.csv and, for one or two parameters, a figure. Rerun to
     continue; finished cases are skipped. Under mpirun, ranks share the cases. Exit status: 0 all
     cases ended (with or without an equilibrium); 4 some failed; 1, 2, 130 as for run.
     """
-    from ..studies import parse_variation, plan
-    from .sweep import sweep_into
+    from .sweep import cases_of, sweep_into
 
     try:
         scene = _load(scene_file, assignments)
-        parameters = [parse_variation(text) for text in variations]
-        cases = plan(scene, parameters)
+        keys, cases = cases_of(scene, variations or [], paired or [])
     except SceneError as error:
         fail(str(error), BAD_INPUT)
     if jobs is not None and launched() is not None:
@@ -188,7 +179,6 @@ def sweep(
             BAD_INPUT,
         )
     directory = Path("out", f"{scene.name}-sweep") if out is None else out
-    keys = [parameter.key for parameter in parameters]
     try:
         with terminated_as_interrupted():
             rows = sweep_into(directory, keys, cases, jobs, quiet)

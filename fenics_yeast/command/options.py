@@ -23,4 +23,21 @@ Assignments = Annotated[
         autocompletion=completed,
     ),
 ]
+Variations = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--vary",
+        metavar="TABLE.KEY=V1,V2,...",
+        help="Values V1,V2,... or range A:B:N (N values from A to B); repeatable.",
+        autocompletion=completed,
+    ),
+]
+PairedValues = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--with",
+        metavar="FILE.csv",
+        help="Values that belong together: a column per scene key, a row per case; repeatable.",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]

@@ -75,6 +75,7 @@ def nothing_drawn(directory: Path) -> str:
     """Return why a run or sweep has no figure yet."""
     if not (directory / TABLE).exists():
         return "nothing to plot yet; wait for the first saved time"
-    if len(read_table(directory)[0]) > 2:
-        return f"a sweep of more than two parameters has no figure; see {TABLE}"
+    keys, rows = read_table(directory)
+    if len(keys) > 2 and rows:
+        return f"a sweep over more than two parameters has no figure; see {TABLE}"
     return "nothing to plot yet; wait for the first case to end"

@@ -4,10 +4,36 @@ import os
 from pathlib import Path
 
 from ..output import DolfinxMissing, OutputError, writing
-from ..studies import TABLE, Case, CaseRow, draw_sweep, run_sweep
+from ..scene import Scene, SceneError
+from ..studies import (
+    TABLE,
+    Case,
+    CaseRow,
+    draw_sweep,
+    parse_variation,
+    plan,
+    read_paired,
+    run_sweep,
+)
 from .exits import BAD_INPUT, BROKEN, fail, launched, on_terminal
 from .sweep_terminal import SweepBar, SweepLines, tally
 from .terminal import print_line
+
+
+def cases_of(
+    scene: Scene, variations: list[str], paired: list[Path]
+) -> tuple[list[str], list[Case]]:
+    """Return the varied keys and the cases of the options `--with` and `--vary`.
+
+    Raises
+    ------
+    SceneError
+        If there is neither, or one cannot be used.
+    """
+    varied = [*map(read_paired, paired), *map(parse_variation, variations)]
+    if not varied:
+        raise SceneError("nothing to vary; give --vary TABLE.KEY=V1,V2,... or --with FILE.csv")
+    return [key for variation in varied for key in variation.keys], plan(scene, varied)
 
 
 def sweep_into(

@@ -4,8 +4,21 @@ Knows neither scenes nor dolfinx: everything here is NumPy and SciPy.
 """
 
 from .contour import Smoothing, describe_smoothing, smooth_contour
-from .contour_file import ContourError, read_contour
-from .curves import NEAR, Array, Cap, Capsule, Curve, Polygon, Sphere, Straight, spheroid
+from .contour_file import Contour, ContourError, read_contour, read_contours
+from .curves import (
+    NEAR,
+    Array,
+    Cap,
+    Capsule,
+    Curve,
+    Parametric,
+    Polygon,
+    Sphere,
+    Straight,
+    spheroid,
+)
+from .displaced import curve_through, displaced
+from .distances import Distances, aligned_distances, signed_distances
 from .intervals import Interval, Intervals, apart, edges, merged, neck, polar_extent, within
 from .mesh import Discretisation, place_nodes
 from .supports import CONSTRAINED, Edge, End, Pole, Poles
@@ -16,27 +29,35 @@ __all__ = [
     "Array",
     "Cap",
     "Capsule",
+    "Contour",
     "ContourError",
     "Curve",
     "Discretisation",
+    "Distances",
     "Edge",
     "End",
     "Interval",
     "Intervals",
+    "Parametric",
     "Pole",
     "Poles",
     "Polygon",
     "Smoothing",
     "Sphere",
     "Straight",
+    "aligned_distances",
     "apart",
+    "curve_through",
     "describe_smoothing",
+    "displaced",
     "edges",
     "merged",
     "neck",
     "place_nodes",
     "polar_extent",
     "read_contour",
+    "read_contours",
+    "signed_distances",
     "smooth_contour",
     "spheroid",
     "within",

@@ -29,9 +29,12 @@ _SAMPLES = 1500  # of the smooth curve, in which crossings and kinks are looked 
 
 @lru_cache(maxsize=8)
 def smooth_contour(
-    r: tuple[float, ...], z: tuple[float, ...], tolerance: float | None = None
+    r: tuple[float, ...],
+    z: tuple[float, ...],
+    tolerance: float | None = None,
+    edge: bool = False,
 ) -> Parametric:
-    """Fit a meridian to a contour, by a periodic spline through it and its mirror image.
+    """Fit a meridian to a contour, by a spline through it and its mirror image.
 
     The curve is symmetric about the axis, so that a wall is smooth at its poles. It has as few
     knots as the tolerance allows.
@@ -39,24 +42,26 @@ def smooth_contour(
     Parameters
     ----------
     r, z
-        Points in µm from the bottom pole to the top pole.
+        Points in µm from the bottom pole, or from the edge, to the top pole.
     tolerance
         Root mean square distance of the points from the curve in µm; 0 interpolates them. By
         default, a little more than the noise of the points, so that curvatures do not follow it.
+    edge
+        Whether its lower end is an edge instead of a pole.
 
     Raises
     ------
     ContourError
-        If the contour is open, crossing, unordered or kinked.
+        If the contour crosses itself, is unordered or kinked, or an end is not where it must be.
     """
-    if tolerance is not None:
-        return _smooth(_points(r, z), tolerance)
-    return _smooth(_points(r, z), tolerance_of(r, z))
+    if tolerance is None:
+        tolerance = tolerance_of(r, z, edge)
+    return _smooth(_points(r, z), tolerance, edge)
 
 
 @lru_cache(maxsize=8)
-def tolerance_of(r: tuple[float, ...], z: tuple[float, ...]) -> float:
-    """Return the default tolerance in µm of a contour.
+def tolerance_of(r: tuple[float, ...], z: tuple[float, ...], edge: bool = False) -> float:
+    """Return the default tolerance in µm of a contour; see `smooth_contour`.
 
     Raises
     ------
@@ -65,11 +70,11 @@ def tolerance_of(r: tuple[float, ...], z: tuple[float, ...]) -> float:
     """
     points = _points(r, z)
     enough = _FEWEST <= len(points) <= _MOST
-    tolerance, last = _ABOVE_NOISE * _noise(r, z) if enough else 0.0, None
-    _check(points, tolerance)
+    tolerance, last = _ABOVE_NOISE * _noise(r, z, edge) if enough else 0.0, None
+    _check(points, tolerance, edge)
     for _ in range(_MOST_INCREASES):
         try:
-            stress = _hoop_resultant(_smooth(points, tolerance))
+            stress = _hoop_resultant(_smooth(points, tolerance, edge))
         except ContourError:
             stress = None
         if last is not None and stress is not None and _change(last, stress) < _STEADY:
@@ -98,17 +103,20 @@ class Smoothing(NamedTuple):
 
 @lru_cache(maxsize=8)
 def describe_smoothing(
-    r: tuple[float, ...], z: tuple[float, ...], tolerance: float | None = None
+    r: tuple[float, ...],
+    z: tuple[float, ...],
+    tolerance: float | None = None,
+    edge: bool = False,
 ) -> Smoothing:
     """Return what smoothing does to a contour that `smooth_contour` accepts."""
-    tolerance = tolerance_of(r, z) if tolerance is None else tolerance
-    curve, points = smooth_contour(r, z, tolerance), _points(r, z)
+    tolerance = tolerance_of(r, z, edge) if tolerance is None else tolerance
+    curve, points = smooth_contour(r, z, tolerance, edge), _points(r, z)
     joined = _enclosed(points)
     t = np.linspace(0, curve.end, _SAMPLES + 1)
-    radius, slope = curve.point(t, 0)[0], curve.point(t, 1)[1]
-    volume = float((radius**2 * slope)[:-1].sum() * curve.end / _SAMPLES)  # vanishes at the poles
+    discs = curve.point(t, 0)[0] ** 2 * curve.point(t, 1)[1]  # they vanish at poles
+    volume = float((discs[1:] + discs[:-1]).sum() / 2 * curve.end / _SAMPLES)
     try:
-        smoother = _smooth(points, _ABOVE_NOISE * max(tolerance, _noise(r, z)))
+        smoother = _smooth(points, _ABOVE_NOISE * max(tolerance, _noise(r, z, edge)), edge)
     except ContourError:
         return Smoothing(tolerance, volume / joined - 1, 1.0)
     error = _SAFETY * _change(*(_hoop_resultant(each) for each in (curve, smoother)))
@@ -146,28 +154,28 @@ def _points(r: tuple[float, ...], z: tuple[float, ...]) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _noise(r: tuple[float, ...], z: tuple[float, ...]) -> float:
+def _noise(r: tuple[float, ...], z: tuple[float, ...], edge: bool) -> float:
     """Return the root mean square residual in µm of smoothing splines that cross-validate."""
     from scipy.interpolate import make_smoothing_spline  # late, as below
 
     points = _points(r, z)
     points = points[:: -(-len(points) // _MOST_FOR_NOISE)]
     beyond = min(_BEYOND, len(points) - 1)  # points of the mirror image at each pole
-    before, after = points[beyond:0:-1] * (-1, 1), points[-2 : -2 - beyond : -1] * (-1, 1)
-    longer = np.concatenate([before, points, after])
+    before = points[:0] if edge else points[beyond:0:-1] * (-1, 1)
+    longer = np.concatenate([before, points, points[-2 : -2 - beyond : -1] * (-1, 1)])
     steps = _steps(longer)
     u = np.append(0.0, np.cumsum(steps)) * _SPACING / steps.mean()
     residuals = [make_smoothing_spline(u, x)(u) - x for x in longer.T]
-    inside = slice(beyond, beyond + len(points))
+    inside = slice(len(before), len(before) + len(points))
     return float(np.sqrt(np.mean(np.square(residuals).sum(axis=0)[inside])))
 
 
-def _smooth(points: Array, tolerance: float) -> Parametric:
+def _smooth(points: Array, tolerance: float, edge: bool) -> Parametric:
     """Fit a curve to points and check it."""
-    _check(points, tolerance)
+    _check(points, tolerance, edge)
     points = points.copy()
-    points[[0, -1], 0] = 0
-    curve = _fit(points, tolerance)
+    points[[-1] if edge else [0, -1], 0] = 0
+    curve = _fit(points, tolerance, edge)
     t = np.linspace(0, curve.end, _SAMPLES + 1)
     samples = np.column_stack(curve.point(t, 0))
     if (crossing := _crossing(samples)) is not None:
@@ -189,16 +197,24 @@ def _smooth(points: Array, tolerance: float) -> Parametric:
     return curve
 
 
-def _check(points: Array, tolerance: float) -> None:
+def _check(points: Array, tolerance: float, edge: bool) -> None:
     if not _FEWEST <= len(points) <= _MOST:
         raise ContourError(f"has {len(points)} points; expected {_FEWEST} to {_MOST}")
     near = max(tolerance, 1e-6 * float(np.ptp(points)))
     reach = max(near, float(np.median(_steps(points))) / 2)
-    for name, r in (("first", abs(points[0, 0])), ("last", abs(points[-1, 0]))):
-        if r > reach:
-            raise ContourError(
-                f"is open: its {name} point is {r:.3g} µm from the axis; both ends must be at r = 0"
-            )
+    first, last = abs(points[[0, -1], 0])
+    if edge and first <= reach:
+        raise ContourError("is closed: its first point is on the axis; remove cell.edge")
+    if first > reach and not edge:
+        raise ContourError(
+            f"is open: its first point is {first:.3g} µm from the axis; both ends must be at "
+            'r = 0, or set cell.edge, e.g. "clamped"'
+        )
+    if last > reach:
+        must = "its top" if edge else "both ends"
+        raise ContourError(
+            f"is open: its last point is {last:.3g} µm from the axis; {must} must be at r = 0"
+        )
     i = int(np.argmin(points[:, 0]))
     if points[i, 0] < -_NOISE * near:
         raise ContourError(f"meets the axis {_near(points[i])}; r must be > 0 between its ends")
@@ -227,22 +243,22 @@ def _crossing(points: Array) -> int | None:
     return None
 
 
-def _fit(points: Array, tolerance: float) -> Parametric:
+def _fit(points: Array, tolerance: float, edge: bool) -> Parametric:
     from scipy.interpolate import splev, splprep  # late: 0.2 s, and few scenes have a contour
 
-    mirrored = points[-2::-1] * (-1, 1)  # down the other side, the bottom pole again at the end
+    mirrored = points[-2::-1] * (-1, 1)  # down the other side, to the bottom pole again
     outline = np.concatenate([points, mirrored])
     along = np.concatenate([[0.0], np.cumsum(_steps(outline))])
     total = along[-1]
     smoothing = (len(outline) - 1) * tolerance**2
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # about points that cross, found later
-        knots, _ = splprep(outline.T, u=along / total, k=_DEGREE, s=smoothing, per=1)
+        knots, _ = splprep(outline.T, u=along / total, k=_DEGREE, s=smoothing, per=not edge)
 
     def point(t: Array, order: int) -> tuple[Array, Array]:
         """Mean of the spline and its mirror image, which differ by the choice of knots."""
         u = np.asarray(t) / total
-        sides = (splev(v.ravel() % 1, knots, der=order) for v in (u, -u))
+        sides = (splev(v.ravel() if edge else v.ravel() % 1, knots, der=order) for v in (u, 1 - u))
         (r, z), (r_m, z_m) = ([np.reshape(x, u.shape) for x in side] for side in sides)
         sign = (-1) ** order
         return (r - sign * r_m) / 2 / total**order, (z + sign * z_m) / 2 / total**order

@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,8 @@ _HEADING = 'expected the heading "r,z" and one point per line'
 _NAME = re.compile(r"([rz])[\s_]*[\[(/]?\s*([a-zµμ]*)\s*[\])]?", re.IGNORECASE)
 _UNITS = {"µm": 1.0, "μm": 1.0, "um": 1.0, "micron": 1.0, "microns": 1.0, "nm": 1e-3}
 _PIXELS = ("px", "pixel", "pixels")
+_TIME = re.compile(r"(?:time|t)[\s_]*[\[(/]?\s*(min|h|s|sec)?\s*[\])]?", re.IGNORECASE)
+_MINUTES = {"": 1.0, "min": 1.0, "h": 60.0, "s": 1 / 60, "sec": 1 / 60}
 _CLOSED = 3.0  # steps between its points: ends that are closer to each other close an outline
 _SAME = 1e-6  # of the median distance of points: a point given twice
 _ALIKE = 0.1  # of the radius: how far the two halves of an outline may be from each other
@@ -20,6 +23,14 @@ _ALIKE = 0.1  # of the radius: how far the two halves of an outline may be from 
 
 class ContourError(ValueError):
     """What is wrong with a contour, as the end of a sentence that begins with it."""
+
+
+class Contour(NamedTuple):
+    """Points `(r, z)` in µm of a contour, and when it was traced, in min, if its table says so."""
+
+    r: tuple[float, ...]
+    z: tuple[float, ...]
+    time: float | None = None
 
 
 def read_contour(
@@ -43,6 +54,29 @@ def read_contour(
     ContourError
         If the file cannot be read or is no such table; the message is a sentence of its own.
     """
+    points, _ = _table(path, scale)
+    return _folded(points)[:2]
+
+
+def read_contours(path: Path, scale: float | None = None) -> list[Contour]:
+    """Read the contours of a table that may also have a column ``time``, ``t_min`` or ``t [h]``.
+
+    Lines of one time are one contour, wherever they are; without the column there is one, of
+    unknown time. Parameters and errors are those of `read_contour`.
+    """
+    points, times = _table(path, scale)
+    if times is None:
+        return [_folded(points)]
+    return [_folded(points[times == time], float(time)) for time in np.unique(times)]
+
+
+def _folded(points: Array, time: float | None = None) -> Contour:
+    r, z = _half(points).T.tolist()
+    return Contour(tuple(r), tuple(z), time)
+
+
+def _table(path: Path, scale: float | None) -> tuple[Array, Array | None]:
+    """Return the points of a table, and their times in min if it has them."""
     rows = [
         (number, line.strip())
         for number, line in enumerate(_text(path).splitlines(), 1)
@@ -53,22 +87,24 @@ def read_contour(
     heading = rows[0][1]
     mark = next((mark for mark in (";", "\t", ",") if mark in heading), None)
     columns = _columns(heading, mark, scale)
+    timed = len(columns) > 2
     points = []
     for number, line in rows[1:]:
         cells = [cell.strip(" \"'") for cell in line.split(mark)]
         try:
             point = [factor * _number(cells[place], mark) for place, factor in columns]
         except (ValueError, IndexError):
+            names = "r, z and time" if timed else "r and z"
             raise ContourError(
-                f'line {number}: found "{line[:40]}"; expected a number for r and z'
+                f'line {number}: found "{line[:40]}"; expected a number for {names}'
             ) from None
         if not np.isfinite(point).all():
             raise ContourError(f"line {number}: numbers must be finite")
         points.append(point)
     if not points:
         raise ContourError("has no points below its heading")
-    r, z = _half(np.array(points)).T.tolist()
-    return tuple(r), tuple(z)
+    table = np.array(points)
+    return table[:, :2], table[:, 2] if timed else None
 
 
 def _text(path: Path) -> str:
@@ -91,11 +127,14 @@ def _text(path: Path) -> str:
 
 
 def _columns(heading: str, mark: str | None, scale: float | None) -> list[tuple[int, float]]:
-    """Return place and unit in µm of the columns r and z."""
+    """Return place and unit in µm of the columns r and z, and in min of a column of times."""
     found: dict[str, tuple[int, float]] = {}
-    cells = heading.split(mark) if mark else re.findall(r"[rz]\s*[\[(][^\])]*[\])]|\S+", heading)
+    cells = heading.split(mark) if mark else re.findall(r"\w+\s*[\[(][^\])]*[\])]|\S+", heading)
     for place, cell in enumerate(cells):
-        name = _NAME.fullmatch(cell.strip(" \"'"))
+        cell = cell.strip(" \"'")
+        if time := _TIME.fullmatch(cell):
+            found.setdefault("time", (place, _MINUTES[(time[1] or "").lower()]))
+        name = _NAME.fullmatch(cell)
         if name is None:
             continue
         unit = name[2].lower()
@@ -108,7 +147,7 @@ def _columns(heading: str, mark: str | None, scale: float | None) -> list[tuple[
         found[name[1].lower()] = (place, _UNITS.get(unit, 1.0) if scale is None else scale)
     if not {"r", "z"} <= found.keys():
         raise ContourError(f'begins with "{heading[:40]}"; {_HEADING}')
-    return [found["r"], found["z"]]
+    return [found[name] for name in ("r", "z", "time") if name in found]
 
 
 def _number(text: str, mark: str | None) -> float:

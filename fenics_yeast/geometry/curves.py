@@ -190,15 +190,25 @@ class Parametric(Curve):
     def _speed(self, t: Array) -> Array:
         return np.hypot(*self.point(t, 1))
 
-    def _parameter(self, S: Array) -> Array:
+    def arc_length(self, t: Array) -> Array:
+        """Return the arc length in µm at parameters."""
+        table, lengths, _ = self._table
+        i = np.clip(np.searchsorted(table, t, side="right") - 1, 0, _TABLE - 1)
+        return lengths[i] + self._integral(table[i], t)
+
+    def _integral(self, start: Array, t: Array) -> Array:
+        """Return the length of the curve between parameters that are near each other."""
+        half = (t - start) / 2
+        inner = self._speed(start[..., None] + half[..., None] * (1 + _NODES))
+        return np.asarray(half * (inner @ _WEIGHTS))
+
+    def parameter(self, S: Array) -> Array:
         """Return the parameter at arc lengths: from the table, then by Newton's method."""
         table, lengths, _ = self._table
         t = np.interp(S, lengths, table)
         i = np.clip(np.searchsorted(lengths, S, side="right") - 1, 0, _TABLE - 1)
         for _ in range(_NEWTON_STEPS):
-            half = (t - table[i]) / 2
-            inner = self._speed(table[i][..., None] + half[..., None] * (1 + _NODES))
-            t = t + (S - lengths[i] - half * (inner @ _WEIGHTS)) / self._speed(t)
+            t = t + (S - lengths[i] - self._integral(table[i], t)) / self._speed(t)
         return t
 
     @property
@@ -206,20 +216,20 @@ class Parametric(Curve):
         return float(self._table[1][-1])
 
     def radius(self, S: Array) -> Array:
-        return self.point(self._parameter(S), 0)[0]
+        return self.point(self.parameter(S), 0)[0]
 
     def height(self, S: Array) -> Array:
-        return self.point(self._parameter(S), 0)[1]
+        return self.point(self.parameter(S), 0)[1]
 
     def angle(self, S: Array) -> Array:
-        t = self._parameter(S)
+        t = self.parameter(S)
         r_t, z_t = self.point(t, 1)
         angle = np.arctan2(z_t, r_t)
         turns = np.interp(t, self._table[0], self._table[2]) - angle
         return angle + 2 * np.pi * np.rint(turns / (2 * np.pi))
 
     def curvature(self, S: Array) -> Array:
-        return self.curvature_at(self._parameter(S))
+        return self.curvature_at(self.parameter(S))
 
     def curvature_at(self, t: Array) -> Array:
         """Return the curvature in 1/µm at parameters."""

@@ -29,6 +29,7 @@ from .errors import DolfinxMissing, OutputError, OutputWriteError, RunLost
 from .files import writing
 from .folder import OutputFolder
 from .interrupts import Interrupts
+from .outline import with_unloaded_shape
 
 if TYPE_CHECKING:
     from ..simulation import Checkpoint, ResumePoint, ShellPool
@@ -172,6 +173,8 @@ class Job:
             As of `simulate`, with the same status and message on all ranks. If the run is
             interrupted, the result says so; a second interrupt waits for `complete`.
         """
+        note = None if self._screen is None else self._screen.note
+        self.scene, problem = with_unloaded_shape(self.scene, self._start, self.comm, note)
         self._folder = on_root(
             self.comm, lambda: OutputFolder(self.path, self.scene, self._start), OutputError
         )
@@ -181,7 +184,7 @@ class Job:
             self._note_start()
         self._stack.enter_context(self.interrupts)
         try:
-            result = self._simulate()
+            result = self._ended_early("failed", problem) if problem else self._simulate()
             self.interrupts.hold()
         except KeyboardInterrupt:
             result = self._ended_early("interrupted")
@@ -318,7 +321,7 @@ class Job:
         when = f"at {rows[-1].time_min:g} min" if rows else "before the first equilibrium"
         return Result(
             history=History(rows, kinks(self.scene)),
-            profiles=Profiles(tuple(profiles), discretise(self.scene).zones),
+            profiles=Profiles(tuple(profiles), discretise(self.scene).zones if rows else ()),
             status=status,
             message=message or f"{status} {when}",
             end_time=rows[-1].time_min if rows else 0.0,

@@ -122,12 +122,12 @@ def _agree(directory: Path, start: ResumePoint, run: Run) -> None:
 
 
 def _difference(earlier: Scene, scene: Scene) -> str | None:
-    """Return the first value in which two scenes differ, except title and table `run`."""
+    """Return the first value in which two scenes differ, except title, `run` and what is found."""
     old, new = flatten(earlier), flatten(scene)
     if (earlier.run is None) != (scene.run is None):
         return f"[run] was {'missing' if earlier.run is None else 'present'}"
     for key in {**old, **new}:
-        if key == "title" or key.startswith("run."):
+        if key == "title" or key.startswith(("run.", "cell.unloaded")):
             continue
         if old.get(key) != new.get(key):
             was, now = (

@@ -9,7 +9,15 @@ from typing import Any, Self, get_args
 
 import numpy as np
 
-from ..simulation import Bifurcation, ErrorBars, ErrorEstimate, Result, Status, Timings
+from ..simulation import (
+    Bifurcation,
+    ErrorBars,
+    ErrorEstimate,
+    Result,
+    Status,
+    Timings,
+    UnloadedShape,
+)
 from .errors import OutputError
 from .files import RUN
 
@@ -34,6 +42,7 @@ class Summary:
     bifurcation: Bifurcation | None = None
     warnings: tuple[str, ...] = ()
     error_bars: ErrorBars | None = None
+    unloaded: UnloadedShape | None = None
 
     @classmethod
     def of(cls, result: Result, timings: Timings) -> Self:
@@ -52,6 +61,7 @@ class Summary:
             bifurcation=result.bifurcation,
             warnings=result.warnings,
             error_bars=result.error_bars,
+            unloaded=result.unloaded,
         )
 
     def to_json(self) -> bytes:
@@ -62,6 +72,10 @@ class Summary:
             "bifurcation": self.bifurcation and asdict(self.bifurcation),
             "error_estimate": errors and asdict(errors) | {"total": errors.total},
         }
+        if self.unloaded is None:
+            del content["unloaded"]
+        else:
+            content["unloaded"] = asdict(self.unloaded)
         if self.error_bars is None:
             del content["error_bars"]
         else:  # JSON has null in place of "not a number"
@@ -91,6 +105,8 @@ def read_summary(directory: Path) -> Summary | None:
             content["error_estimate"] = ErrorEstimate(**errors)
         if bifurcation := content.get("bifurcation"):
             content["bifurcation"] = Bifurcation(**bifurcation)
+        if unloaded := content.get("unloaded"):
+            content["unloaded"] = UnloadedShape(**unloaded)
         content["warnings"] = tuple(content.get("warnings", ()))
         if "error_bars" in content:
             content["error_bars"] = _error_bars(content["error_bars"])

@@ -8,20 +8,22 @@ from .errors import SceneError, value_text
 from .growth import Growth, Polarity
 from .keys import fields_of, flatten, keys_of, parse_assignment, parse_value, unit_symbol, value_of
 from .loads import Load, PressureTable, Septum, Turgor
+from .measured_outline import MeasuredOutlines, Outline, read_outlines
 from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from .precision import SHARES, Meridian, estimate_errors
 from .profile_cell import ProfileCell
 from .run import Control, Run, StaticPath, Until
 from .scene import Scene
 from .units import Unit
+from .unloaded import Unloaded
 from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
 from .zone import Zone
 
 __all__ = [
     "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "Geometry", "Grading", "Growth",
-    "Integrator", "LinearWall", "Load", "Meridian", "Numerics", "OgdenWall", "Polarity",
-    "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
-    "Turgor", "Unit", "Until", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
-    "flatten", "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of",
-    "value_text",
+    "Integrator", "LinearWall", "Load", "MeasuredOutlines", "Meridian", "Numerics", "OgdenWall",
+    "Outline", "Polarity", "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError",
+    "Septum", "StaticPath", "Turgor", "Unit", "Unloaded", "Until", "Wall", "WallZone", "Zone",
+    "estimate_errors", "fields_of", "flatten", "keys_of", "parse_assignment", "parse_value",
+    "read_outlines", "unit_symbol", "value_of", "value_text",
 ]  # fmt: skip

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
-    BeforeValidator,
     Discriminator,
     Field,
     Tag,
@@ -19,13 +18,12 @@ from ..geometry import (
     Cap,
     Capsule,
     Curve,
-    Edge,
     End,
-    Pole,
     Sphere,
     Straight,
     spheroid,
 )
+from .edge import EDGE, HeldEdge, InnerEdge
 from .errors import BRANCH, SceneError, refusal
 from .profile_cell import ProfileCell
 from .shape import SHAPE, Round, Shape
@@ -33,22 +31,6 @@ from .table import Table
 from .units import Angle, Length
 
 _SLENDEREST = 1000.0  # length of a capsule over its diameter
-_EDGE = (
-    "constrained: clamped (displacement and rotation), hinged (displacement), guided (axial "
-    "displacement and rotation) or sliding (axial displacement)"
-)
-_RENAMED = {"roller": "guided", "axial": "sliding"}  # in other programs, a roller is our sliding
-
-
-def _not_renamed(edge: object) -> object:
-    if isinstance(edge, str) and edge in _RENAMED:
-        must = f'write "{_RENAMED[edge]}"; "guided" and "sliding" were called "roller" and "axial"'
-        raise refusal(must, reason="this name is no longer used")
-    return edge
-
-
-_Edge = Annotated[Edge, BeforeValidator(_not_renamed)]
-_InnerEdge = Annotated[Literal[Edge, "free"], BeforeValidator(_not_renamed)]
 
 
 class SphereCell(Round):
@@ -102,11 +84,10 @@ class CapsuleCell(Round):
 class CapCell(Shape):
     """The part of a sphere around its top pole."""
 
-    poles: ClassVar[tuple[Pole, ...]] = ("top",)
     shape: Literal["cap"] = SHAPE
     radius: Length = Field(gt=0, description="radius of the sphere (µm)")
     half_angle: Angle = Field(gt=0, lt=180, description="polar angle of the edge (degrees)")
-    edge: _Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
+    edge: HeldEdge = Field(default="clamped", description=f"how the edge is {EDGE}")
 
     @property
     def least_radius(self) -> float:
@@ -124,9 +105,8 @@ class CapCell(Shape):
 class DiscCell(Round):
     """A flat disc; its outward side is the upper one."""
 
-    poles: ClassVar[tuple[Pole, ...]] = ("top",)
     shape: Literal["disc"] = SHAPE
-    edge: _Edge = Field(default="clamped", description=f"how the edge is {_EDGE}")
+    edge: HeldEdge = Field(default="clamped", description=f"how the edge is {EDGE}")
 
     @property
     def ends(self) -> tuple[End, End]:
@@ -140,13 +120,12 @@ class DiscCell(Round):
 class ConeCell(Shape):
     """A truncated cone, its outer edge below; a flat ring if its height is 0."""
 
-    poles: ClassVar[tuple[Pole, ...]] = ()
     shape: Literal["cone"] = SHAPE
     outer_diameter: Length = Field(gt=0, description="diameter of the lower edge (µm)")
     inner_diameter: Length = Field(gt=0, description="diameter of the upper edge (µm)")
     height: Length = Field(ge=0, description="height of the upper above the lower edge (µm)")
-    edge: _Edge = Field(default="clamped", description=f"how the outer edge is {_EDGE}")
-    inner_edge: _InnerEdge = Field(
+    edge: HeldEdge = Field(default="clamped", description=f"how the outer edge is {EDGE}")
+    inner_edge: InnerEdge = Field(
         default="free", description="how the inner edge is constrained: free, or as for edge"
     )
 
@@ -178,10 +157,9 @@ class ConeCell(Shape):
 class CylinderCell(Round):
     """A cylinder with the same support at both edges."""
 
-    poles: ClassVar[tuple[Pole, ...]] = ()
     shape: Literal["cylinder"] = SHAPE
     length: Length = Field(gt=0, description="distance between the edges (µm)")
-    edge: _Edge = Field(default="clamped", description=f"how both edges are {_EDGE}")
+    edge: HeldEdge = Field(default="clamped", description=f"how both edges are {EDGE}")
 
     @property
     def ends(self) -> tuple[End, End]:

@@ -7,6 +7,7 @@ from .cell import AnyCell, ConeCell
 from .errors import refusal
 from .growth import Polarity
 from .loads import Load, PressureTable, Septum, Turgor
+from .profile_cell import ProfileCell
 from .run import Run, StaticPath
 from .wall import AnyWall
 from .zone import Zone, beyond, misplaced
@@ -34,6 +35,15 @@ def check_wall(wall: AnyWall, cell: AnyCell) -> None:
     if cell.ends in (("guided", "free"), ("sliding", "free")):
         must = 'must be "hinged" or "clamped" for a membrane with a free inner edge'
         raise refusal(must, key="cell.edge")
+
+
+def check_outline(cell: AnyCell, turgor: Turgor) -> None:
+    """Refuse the outline of a turgid cell without turgor."""
+    if not isinstance(cell, ProfileCell) or cell.outline_is == "unloaded":
+        return
+    if turgor.initial == 0:
+        must = 'expected "unloaded", or a turgor.pressure other than 0, under which it was seen'
+        raise refusal(must, key="cell.outline_is")
 
 
 def check_load(load: Load | None, path: StaticPath | None, cell: AnyCell, wall: AnyWall) -> None:

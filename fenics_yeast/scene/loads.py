@@ -69,6 +69,12 @@ class Turgor(Table):
     ] = Field(description="turgor: internal minus external pressure, or a table of it (MPa)")
     ramp: Time = Field(default=0.01, ge=0, description="duration of the rise from 0 (min)")
 
+    @property
+    def initial(self) -> float:
+        """Pressure at the start, after its rise (MPa)."""
+        pressure = self.pressure
+        return pressure.value[0] if isinstance(pressure, PressureTable) else pressure
+
 
 class Load(Table):
     """Dead force along the axis, at a pole or around a ring.

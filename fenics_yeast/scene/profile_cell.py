@@ -10,17 +10,22 @@ from pydantic import Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from ..geometry import (
+    Array,
     ContourError,
     Curve,
+    End,
+    Parametric,
     Smoothing,
     describe_smoothing,
     read_contour,
     smooth_contour,
 )
+from .edge import EDGE, HeldEdge
 from .errors import refusal
 from .shape import SHAPE, Shape
 from .table import ListOf
 from .units import LENGTH, Length
+from .unloaded import Unloaded
 
 
 class ProfileCell(Shape):
@@ -46,6 +51,18 @@ class ProfileCell(Shape):
     z: ListOf[Length] = Field(
         default=(), description="heights of the points, from bottom to top (µm)"
     )
+    edge: HeldEdge | None = Field(
+        default=None,
+        description=f"how the lower edge of an open contour is {EDGE}; default: a closed contour",
+    )
+    outline_is: Literal["unloaded", "turgid"] = Field(
+        default="unloaded",
+        description="whether the contour is that of the unloaded cell, or of the cell under its "
+        "turgor: its unloaded shape is then found when a run starts",
+    )
+    unloaded: Unloaded | None = Field(
+        default=None, description="written by a run: the unloaded shape that it has found"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -68,7 +85,7 @@ class ProfileCell(Shape):
         except ContourError as error:
             raise refusal(str(error), key="file") from None
         try:
-            smooth_contour(r, z, tolerance)
+            smooth_contour(r, z, tolerance, data.get("edge") is not None)
         except ContourError as error:
             raise refusal(f"the contour {error}", key="file") from None
         return {**data, "file": None, "scale": None, "r": r, "z": z}
@@ -82,10 +99,25 @@ class ProfileCell(Shape):
         if len(self.r) != len(self.z):
             raise refusal(f"expected {len(self.r)} heights, one per radius", key="z")
         try:
-            smooth_contour(self.r, self.z, self.tolerance)
+            smooth_contour(*self._contour)
         except ContourError as error:
             raise refusal(f"the contour {error}", key="r") from None
         return self
+
+    def __eq__(self, other: object) -> bool:
+        """Whether what is given is equal; what was found for it follows from that."""
+        return isinstance(other, ProfileCell) and self._given == other._given
+
+    def __hash__(self) -> int:
+        return hash(tuple(self._given.values()))
+
+    @property
+    def _given(self) -> dict[str, object]:
+        return {key: value for key, value in self.__dict__.items() if key != "unloaded"}
+
+    @property
+    def _contour(self) -> tuple[tuple[float, ...], tuple[float, ...], float | None, bool]:
+        return self.r, self.z, self.tolerance, self.edge is not None
 
     @property
     def radius(self) -> float:
@@ -94,12 +126,27 @@ class ProfileCell(Shape):
     @property
     def smoothing(self) -> Smoothing:
         """What smoothing does to the contour."""
-        return describe_smoothing(self.r, self.z, self.tolerance)
+        return describe_smoothing(*self._contour)
 
     @property
     def least_radius(self) -> float:
-        return smooth_contour(self.r, self.z, self.tolerance).least_radius
+        return self.curve.least_radius
 
     @property
-    def curve(self) -> Curve:
-        return smooth_contour(self.r, self.z, self.tolerance)
+    def ends(self) -> tuple[End, End]:
+        return self.edge or "pole", "pole"
+
+    @property
+    def curve(self) -> Parametric:
+        return smooth_contour(*self._contour)
+
+    def reference(self, S: Array) -> tuple[Curve, Array]:
+        outline = self.curve
+        if self.outline_is == "unloaded":
+            return outline, S
+        if self.unloaded is None:
+            raise ValueError(
+                "the unloaded shape of a turgid outline is found by a run; see find_unloaded"
+            )
+        curve = self.unloaded.curve(outline, self.closed)
+        return curve, curve.arc_length(outline.parameter(S))

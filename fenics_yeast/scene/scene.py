@@ -69,6 +69,7 @@ class Scene(Table):
         if "turgor" not in self.model_fields_set and self.path is None and load is None:
             raise refusal(key="turgor")
         checks.check_wall(wall, cell)
+        checks.check_outline(cell, self.turgor)
         checks.check_load(load, self.path, cell, wall)
         checks.check_span(self.run, self.path, self.turgor, grows=self.growth is not None)
         checks.check_zones(wall.zone, cell, "wall.zone.{}")

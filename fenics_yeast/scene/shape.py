@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 from pydantic import Field
 
-from ..geometry import Curve, End, Pole
+from ..geometry import Array, Curve, End, Pole
 from .table import Table
 from .units import Length
 
@@ -20,18 +20,34 @@ class Shape(Table):
     in µm.
     """
 
-    poles: ClassVar[tuple[Pole, ...]] = ("top", "bottom")
     shape: str = SHAPE
 
     @property
     def curve(self) -> Curve:
-        """Meridian of the unloaded cell."""
+        """Meridian on which the places of zones and loads are given."""
         raise NotImplementedError
+
+    def reference(self, S: Array) -> tuple[Curve, Array]:
+        """Return the meridian of the unloaded cell, and where places of `curve` are on it.
+
+        Parameters
+        ----------
+        S
+            Arc lengths on `curve` in µm.
+        """
+        return self.curve, S
 
     @property
     def ends(self) -> tuple[End, End]:
         """What the lower and the upper end of the meridian are."""
         return "pole", "pole"
+
+    @property
+    def poles(self) -> tuple[Pole, ...]:
+        """The poles that it has."""
+        lower, upper = self.ends
+        top: tuple[Pole, ...] = ("top",) if upper == "pole" else ()
+        return (*top, "bottom") if lower == "pole" else top
 
     @property
     def layers(self) -> int:

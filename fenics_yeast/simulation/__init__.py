@@ -23,6 +23,7 @@ from .result import (
     Result,
     Status,
     Timings,
+    UnloadedShape,
 )
 from .sensitivities import Sensitivities
 from .separation import pieces
@@ -34,13 +35,15 @@ if TYPE_CHECKING:
     from .directions import has_exact_sensitivity
     from .shell_pool import ShellPool
     from .simulation import Simulation, simulate
+    from .unloaded_shape import UnloadedShapeError, find_unloaded, fit_of
 
 __all__ = [
     "ANSWERS", "COLUMNS", "EXIT_STATUS", "Bifurcation", "BucklingMode", "Checkpoint",
     "CheckpointError", "Digest", "ErrorBars", "ErrorEstimate", "History", "Observer",
     "Observers", "Profile", "Profiles", "Replay", "Result", "ResumePoint", "RootError", "Row",
-    "Sensitivities", "ShellPool", "Simulation", "Status", "Timings", "buckling_modes",
-    "build_shell", "discretise", "has_exact_sensitivity", "kinks", "on_root", "pieces", "simulate",
+    "Sensitivities", "ShellPool", "Simulation", "Status", "Timings", "UnloadedShape",
+    "UnloadedShapeError", "buckling_modes", "build_shell", "discretise", "find_unloaded", "fit_of",
+    "has_exact_sensitivity", "kinks", "on_root", "pieces", "simulate",
 ]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.
@@ -51,7 +54,10 @@ _LATE = {
     "Simulation": "simulation",
     "ResumePoint": "checkpoint",
     "ShellPool": "shell_pool",
+    "UnloadedShapeError": "unloaded_shape",
     "build_shell": "build",
+    "find_unloaded": "unloaded_shape",
+    "fit_of": "unloaded_shape",
     "has_exact_sensitivity": "directions",
     "simulate": "simulation",
 }

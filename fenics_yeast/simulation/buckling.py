@@ -14,6 +14,7 @@ from .buckling_mode import BucklingMode
 from .build import build_shell
 from .falling_mode import motion_of, variation_of
 from .scales import pressure_scale, residual_tolerance
+from .unloaded_shape import find_unloaded
 
 _SMALL = 1e-3  # pressure over that of a buckled sphere, to differentiate the second variation
 _SOUGHT = 6  # eigenvalues, of which the first real one counts
@@ -35,8 +36,11 @@ def buckling_modes(scene: Scene, waves: Sequence[int]) -> Iterator[BucklingMode]
     """
     changes: dict[str, object] = dict.fromkeys(("growth", "run", "load", "septum"))
     pressure = -_SMALL * scene.wall.thickness / scene.cell.radius * pressure_scale(scene)
-    changes |= {"path": {"until": {"pressure": pressure}}, "turgor": {"pressure": 0.0}}
-    wall = scene.with_values(changes)
+    changes |= {
+        "path": {"until": {"pressure": pressure}},
+        "turgor": {"pressure": scene.turgor.initial},
+    }
+    wall = find_unloaded(scene, dx.MPI.COMM_SELF).with_values(changes)
     shell = build_shell(wall, dx.MPI.COMM_SELF)
     tolerance = residual_tolerance(wall, len(shell.discretisation.nodes))
     variation = shell.second_variation if any(n > 0 for n in waves) else None

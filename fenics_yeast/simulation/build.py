@@ -92,9 +92,10 @@ def _gaussians(
     if polarity is None:
         return [(parts, None)]
     if polarity.centre is not None:
-        # The centre is given along the curve; straight elements are a little shorter.
-        scale = mesh.curve.length / scene.cell.curve.length
-        return [(parts, Gaussian(polarity.centre * scale, polarity.width))]
+        # Straight elements are a little shorter.
+        curve, (centre,) = scene.cell.reference(np.array([polarity.centre]))
+        scale = mesh.curve.length / curve.length
+        return [(parts, Gaussian(float(centre) * scale, polarity.width))]
     if polarity.pole == "both":  # caps that may meet at their edges
         lower = tuple(part for part in parts if part.start + part.end < mesh.curve.length)
         upper = tuple(part for part in parts if part not in lower)

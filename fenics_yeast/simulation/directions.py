@@ -12,6 +12,7 @@ from ..mechanics import Coefficient, Law, OwnLaw, Shell, coefficients
 from ..scene import Scene, SceneError, value_of
 from ..solve import Direction
 from .build import approximation_of, turgor, wall_of
+from .discretise import is_turgid_outline
 
 # Keys that change coefficients of the forms and the pressure, but neither nodes nor times.
 _EXACT = re.compile(
@@ -30,14 +31,21 @@ _UNITS = ("rotation", "shear_force")  # of DOFs, on which nothing depends
 def has_exact_sensitivity(scene: Scene, key: str) -> bool:
     """Whether a run of a scene can be differentiated by a key, with the discretisation held.
 
-    It cannot by what moves nodes or times, such as sizes of the cell and of zones, nor if growth
-    follows the tip, which the tangents do not know.
+    It cannot by what moves nodes or times, such as sizes of the cell and of zones, and of a turgid
+    outline also wall and turgor; nor if growth follows the tip, which the tangents do not know.
     """
+    if _reshapes(scene, key):
+        return False
     try:
         value = value_of(scene, key)
     except KeyError:
         return False
     return _EXACT.fullmatch(key) is not None and _held(scene) and isinstance(value, float)
+
+
+def _reshapes(scene: Scene, key: str) -> bool:
+    """Whether the unloaded shape depends on a parameter, as it does for a turgid outline."""
+    return key.startswith(("wall.", "turgor.", "energy.")) and is_turgid_outline(scene)
 
 
 def _held(scene: Scene) -> bool:
@@ -63,7 +71,7 @@ class Model:
             If the run cannot be differentiated by it.
         """
         kind, _, name = key.partition(".")
-        if kind in ("energy", "growth_law"):
+        if kind in ("energy", "growth_law") and not _reshapes(self.scene, key):
             law = getattr(self, kind)
             value = law.parameters.get(name) if isinstance(law, Law) else None
             if isinstance(value, float | int) and _held(self.scene):
@@ -144,6 +152,8 @@ def _refusal(scene: Scene, key: str) -> str:
         return f"{key}: a run along [path] has none; remove the table path"
     if not _held(scene):
         return f"{key} has no exact one where growth follows the tip; {_OTHERWISE}"
+    if _reshapes(scene, key):
+        return f"{key} has no exact one, as the unloaded shape depends on it; {_OTHERWISE}"
     if key == "turgor.pressure":
         return f"{key} is a table; choose one of its values, e.g. turgor.pressure.value.0"
     if isinstance(value, bool) or not isinstance(value, float | int):

@@ -21,7 +21,9 @@ from ..geometry import (
     place_nodes,
     within,
 )
-from ..scene import Scene
+from ..scene import ProfileCell, Scene
+
+Reference = Callable[[Array], tuple[Curve, Array]]
 
 _NEAREST = 1e-3  # part of the width of a tip down to which elements get smaller towards it
 
@@ -35,7 +37,26 @@ def discretise(scene: Scene, counts: Sequence[int] = ()) -> Discretisation:
     Raises
     ------
     ValueError
-        If there are other numbers of such places and counts.
+        If there are other numbers of such places and counts, or the unloaded shape of a turgid
+        outline has not been found; see `find_unloaded`.
+    """
+    return divided(scene, scene.cell.reference, counts)
+
+
+def is_turgid_outline(scene: Scene) -> bool:
+    """Whether a scene gives the outline of a turgid cell, so that its unloaded shape is found."""
+    return isinstance(scene.cell, ProfileCell) and scene.cell.outline_is == "turgid"
+
+
+def element_counts(scene: Scene) -> tuple[int, ...]:
+    """Return the numbers of elements between places that must be nodes."""
+    return divided(scene, lambda S: (scene.cell.curve, S)).counts
+
+
+def divided(scene: Scene, reference: Reference, counts: Sequence[int] = ()) -> Discretisation:
+    """Return the same on a meridian on which a function places what is given on the cell's curve.
+
+    The function takes arc lengths on the curve, and returns the meridian and those on it.
     """
     curve, ends = scene.cell.curve, scene.cell.ends
     growing = [growth.zone.intervals(curve) for growth in scene.growing]
@@ -64,9 +85,9 @@ def discretise(scene: Scene, counts: Sequence[int] = ()) -> Discretisation:
         inner = apart([*inner, *(s for s in near if 0 < s < curve.length)])
     elements = scene.numerics.elements
     nodes, counts = place_nodes(curve.length, inner, elements, density, counts)
-    meridian, places = curve, nodes
+    meridian, places = reference(nodes)
     if scene.numerics.geometry == "conical":
-        meridian = Polygon.inscribed(curve, nodes)
+        meridian = Polygon.inscribed(meridian, places)
         places = meridian.S
 
     def at_nodes(parts: Intervals) -> Intervals:

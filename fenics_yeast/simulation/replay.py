@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..scene import Numerics, Scene
-from .discretise import discretise
+from .discretise import element_counts
 from .history import History
 
 
@@ -33,7 +33,7 @@ class Replay:
     @classmethod
     def of(cls, scene: Scene, history: History) -> Replay:
         """Return the discretisation of a scene whose run has a history."""
-        return cls(tuple(history.time_min.tolist()), scene.numerics, discretise(scene).counts)
+        return cls(tuple(history.time_min.tolist()), scene.numerics, element_counts(scene))
 
     def applied_to(self, scene: Scene) -> Scene:
         """Return a scene with these numerics, and nothing left to choose."""

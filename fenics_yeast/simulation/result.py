@@ -141,6 +141,22 @@ class Bifurcation:
 
 
 @dataclass(frozen=True)
+class UnloadedShape:
+    """How well the unloaded shape fits that was found for the outline of a turgid cell.
+
+    Attributes
+    ----------
+    residual_distance_um
+        Largest distance between the inflated shape and the outline.
+    largest_displacement_um
+        Largest distance between points of the outline and their unloaded places.
+    """
+
+    residual_distance_um: float
+    largest_displacement_um: float
+
+
+@dataclass(frozen=True)
 class Result:
     """What a simulation found.
 
@@ -169,6 +185,8 @@ class Result:
         The mode that falls there; None if it is unknown.
     sensitivities
         Derivatives of the history by parameters, if they were requested.
+    unloaded
+        How well the unloaded shape of a turgid outline fits; None for any other cell.
     """
 
     history: History
@@ -187,6 +205,7 @@ class Result:
     bifurcation: Bifurcation | None = None
     mode: BucklingMode | None = None
     sensitivities: Sensitivities | None = None
+    unloaded: UnloadedShape | None = None
 
     def __repr__(self) -> str:
         return (

@@ -30,6 +30,7 @@ from .sensitivity_recorder import SensitivityRecorder
 from .shell_pool import ShellPool
 from .static import Static
 from .transient import Transient
+from .unloaded_shape import find_unloaded, fit_of
 
 _LOG = logging.getLogger(__name__)
 
@@ -87,7 +88,7 @@ class Simulation:
         scene = scene if isinstance(scene, Scene) else Scene.load(scene)
         counts, steps = ((), ()) if replay is None else (replay.counts, replay.times)
         scene = scene if replay is None else replay.applied_to(scene)
-        self._scene = scene
+        self._scene = scene = find_unloaded(scene, comm, energy=energy)
         self._resources = resources = ExitStack()
         own = energy is not None or growth_law is not None
         if shells is None or own:
@@ -209,6 +210,7 @@ class Simulation:
             bifurcation=first_bifurcation(self._scene, recorder),
             mode=recorder.mode,
             sensitivities=None if derivatives is None else derivatives.result(history),
+            unloaded=fit_of(self._scene),
         )
 
     @property

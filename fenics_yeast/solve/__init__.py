@@ -6,6 +6,7 @@ Knows no scene: it works on a shell, loads as numbers or functions, and toleranc
 from .continuation import BorderedNewton
 from .equilibrium import ChordState, Equilibrium, EquilibriumError
 from .limit_points import approach_limit_point, find_limit_force, find_limit_pressure
+from .outline_inversion import InverseShape, InversionError, OutlineInversion
 from .path_following import PathCoordinates, PathError, PathTarget, follow_path
 from .resumable import Resumable
 from .runge_kutta import TABLEAUX, ButcherTableau
@@ -27,6 +28,9 @@ __all__ = [
     "Follower",
     "ForwardSensitivities",
     "GivenSteps",
+    "InverseShape",
+    "InversionError",
+    "OutlineInversion",
     "PathCoordinates",
     "PathError",
     "PathTarget",

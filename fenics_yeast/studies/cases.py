@@ -1,4 +1,4 @@
-"""Cases of a sweep: the product of lists of values, each case a validated scene."""
+"""Cases of a sweep: the product of lists of values, or of rows of them; each a validated scene."""
 
 import re
 from collections.abc import Sequence
@@ -17,11 +17,22 @@ _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(.*)")
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """A varied key of the scene, such as ``growth.time``, and its values."""
+class Variation:
+    """Keys of the scene that vary together, such as ``growth.time``, and their values.
 
-    key: str
-    values: tuple[object, ...]
+    Attributes
+    ----------
+    keys
+        The keys: one for an option `--vary`, those of the columns for a table.
+    rows
+        Their values, row by row.
+    sources
+        Where each row was written, for messages; empty if the values themselves say so.
+    """
+
+    keys: tuple[str, ...]
+    rows: tuple[tuple[object, ...], ...]
+    sources: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -43,7 +54,7 @@ class Case:
     scene: Scene
 
 
-def parse_variation(text: str) -> Parameter:
+def parse_variation(text: str) -> Variation:
     """Read ``TABLE.KEY=V1,V2,...``; a value ``A:B:N`` stands for N values from A to B.
 
     Raises
@@ -60,24 +71,24 @@ def parse_variation(text: str) -> Parameter:
     for entry in entries:
         ends = _split(entry, ":")
         values += [parse_value(entry)] if len(ends) == 1 else _range(f"{key}={entry}", ends)
-    return Parameter(key, tuple(values))
+    return Variation((key,), tuple((value,) for value in values))
 
 
-def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
-    """Return all unique combinations of parameter values, the last parameter varying fastest.
+def plan(scene: Scene, variations: Sequence[Variation]) -> list[Case]:
+    """Return all unique combinations of the variations' rows, the last one varying fastest.
 
     Raises
     ------
     SceneError
-        If a parameter is given twice, or a combination is not a valid scene.
+        If a key is given twice, or a combination is not a valid scene.
     """
-    keys = [parameter.key for parameter in parameters]
+    keys = [key for variation in variations for key in variation.keys]
     if twice := [key for key in keys if keys.count(key) > 1]:
-        raise SceneError(f"--vary {twice[0]}: given twice; list all its values in one option")
+        raise SceneError(f"{twice[0]}: given twice; give all its values in one place")
     cases: dict[Scene, Case] = {}
     names: set[str] = set()
-    for values in product(*(parameter.values for parameter in parameters)):
-        changed = scene.with_values(dict(zip(keys, values, strict=True)))
+    for rows in product(*(range(len(variation.rows)) for variation in variations)):
+        changed = _changed(scene, variations, rows)
         if changed in cases:  # "1 MPa" and 1.0
             continue
         held = tuple(_plain(value_of(changed, key)) for key in keys)
@@ -87,6 +98,19 @@ def plan(scene: Scene, parameters: Sequence[Parameter]) -> list[Case]:
         names.add(name)
         cases[changed] = Case(name, held, changed)
     return list(cases.values())
+
+
+def _changed(scene: Scene, variations: Sequence[Variation], rows: Sequence[int]) -> Scene:
+    """Return the scene with the values of a row of each variation."""
+    values: dict[str, object] = {}
+    sources: list[str] = []
+    for variation, row in zip(variations, rows, strict=True):
+        values |= zip(variation.keys, variation.rows[row], strict=True)
+        sources += variation.sources[row : row + 1]
+    try:
+        return scene.with_values(values)
+    except SceneError as error:
+        raise SceneError(": ".join([*sources, str(error)])) from None
 
 
 def value_label(value: float | str) -> str:

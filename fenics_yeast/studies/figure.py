@@ -1,8 +1,9 @@
-"""The figure of a sweep: volume curves over one parameter, or a map over two."""
+"""The figure of a sweep: volume curves of its cases, or a map over two parameters."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,7 +36,8 @@ _MOST_LABELS = 12  # fields of the map along an axis, whose volumes are written 
 def draw_sweep(directory: Path, suffix: str = ".png") -> list[Path]:
     """Draw the figure of a sweep, finished or in progress; return the files written.
 
-    Nothing is drawn for more than two parameters, or before a case has a result.
+    All combinations of two parameters are a map. Nothing is drawn of those of more parameters,
+    or before a case has a result.
 
     Raises
     ------
@@ -43,39 +45,53 @@ def draw_sweep(directory: Path, suffix: str = ".png") -> list[Path]:
         If the directory is not that of a sweep, or a file is damaged.
     """
     keys, rows = read_table(directory)
+    combined = len(keys) > 1 and is_combined(rows)
     rows = [row for row in rows if row.end_ratio is not None]
-    if not rows or len(keys) > 2:
+    if not rows or (combined and len(keys) > 2):
         return []
     path = (directory / FIGURE).with_suffix(suffix)
     scene = read_scene(directory / rows[0].case)
     labels = [_label(key, unit_symbol(scene, key)) for key in keys]
-    if len(keys) == 2:
+    if combined:
         _draw_map(path, labels, rows, scene.title)
         return [path]
     if scene.run is None and scene.path is None:
-        _draw_line(path, labels[0], rows, scene.title)
+        _draw_line(path, labels, rows, scene.title)
         return [path]
     stops = scene.run is not None and scene.run.stop_at_bifurcation
     curves = [
         Curve(
-            plain(value_label(row.values[0])), read_history(directory / row.case), row.status, stops
+            plain(", ".join(map(value_label, row.values))),
+            read_history(directory / row.case),
+            row.status,
+            stops,
         )
         for row in rows
     ]
     together = volumes if scene.run is not None else pressures
-    together(curves, path, plain(scene.title), heading=labels[0])
+    together(curves, path, plain(scene.title), heading=",\n".join(labels))
     return [path]
+
+
+def is_combined(rows: Sequence[CaseRow]) -> bool:
+    """Whether cases are all combinations of their parameters' values, not pairs of a table."""
+    values = zip(*(row.values for row in rows), strict=True)
+    return len(rows) > 1 and len(rows) == prod(len(set(column)) for column in values)
 
 
 def _label(key: str, unit: str) -> str:
     return f"{key} ({unit})" if unit else key
 
 
-def _draw_line(path: Path, label: str, rows: Sequence[CaseRow], title: str) -> None:
-    """Draw V/V0 of single equilibria against their parameter."""
-    with curve_axes(path, label, "volume V/V₀") as axes:
-        places: list[float | str] = [row.values[0] for row in rows]
-        axes.plot(places, [row.end_ratio or np.nan for row in rows], "o-", color=COLOURS[0])
+def _draw_line(path: Path, labels: Sequence[str], rows: Sequence[CaseRow], title: str) -> None:
+    """Draw V/V0 of single equilibria against their parameter; of several, case by case."""
+    alone = len(labels) == 1
+    with curve_axes(path, labels[0] if alone else "case", "volume V/V₀") as axes:
+        places: list[float | str] = [
+            row.values[0] if alone else str(i) for i, row in enumerate(rows, 1)
+        ]
+        marks = "o-" if alone else "o"
+        axes.plot(places, [row.end_ratio or np.nan for row in rows], marks, color=COLOURS[0])
         axes.set_title(plain(title))
 
 

@@ -53,6 +53,49 @@ def test_what_is_no_meridian_is_refused(points, said):
     assert len(str(caught.value).splitlines()) == 1
 
 
+# With an edge ---------------------------------------------------------------------------------
+
+CUT = tuple(tuple(x[20:].tolist()) for x in ellipse(90))  # its lower part is missing
+
+
+def test_an_open_contour_is_the_curve_itself_up_to_its_edge():
+    curve = smooth_contour(*CUT, 0.0, edge=True)
+    S = np.linspace(0, curve.length, 200)
+    whole = EXACT.length - curve.length + S
+    assert curve.radius(np.zeros(1))[0] == pytest.approx(CUT[0][0], abs=1e-9)
+    np.testing.assert_allclose(curve.radius(S), EXACT.radius(whole), atol=2e-6)
+    np.testing.assert_allclose(curve.curvature(S), EXACT.curvature(whole), rtol=2e-3)
+
+
+def test_an_open_contour_keeps_its_volume():
+    z = CUT[1][0]
+    exact = 2.0**2 * (2 / 3 * 3.5 - z + z**3 / (3 * 3.5**2))  # over π, above the plane of the edge
+    curve = smooth_contour(*CUT, 0.0, edge=True)
+    t = np.linspace(0, curve.end, 4001)
+    discs = curve.point(t, 0)[0] ** 2 * curve.point(t, 1)[1]
+    assert (discs[1:] + discs[:-1]).sum() / 2 * t[1] == pytest.approx(exact, rel=1e-6)
+    assert abs(describe_smoothing(*CUT, 0.0, edge=True).volume_change) < 1e-6
+
+
+def test_noise_of_an_open_contour_is_that_of_its_points():
+    noise = 0.01 * np.random.default_rng(4).normal(size=(2, len(CUT[0])))
+    noise[0, -1] = 0
+    r, z = (tuple((x + e).tolist()) for x, e in zip(CUT, noise, strict=True))
+    assert describe_smoothing(r, z, edge=True).tolerance == pytest.approx(0.02, rel=0.5)
+
+
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [
+        (ellipse(60), "is closed: its first point is on the axis; remove cell.edge"),
+        ([p[5:-3] for p in ellipse(60)], "is open: its last point .* its top must be at r = 0"),
+    ],
+)
+def test_an_edge_where_there_is_none_is_refused(points, said):
+    with pytest.raises(ContourError, match=said):
+        smooth_contour(*map(tuple, points), 1e-3, edge=True)
+
+
 # By default, the data's own noise ---------------------------------------------------------------
 
 PIXEL = 0.065

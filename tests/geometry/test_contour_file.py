@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.shapes import ellipse
 
-from fenics_yeast.geometry import ContourError, read_contour, smooth_contour
+from fenics_yeast.geometry import ContourError, read_contour, read_contours, smooth_contour
 
 POINTS = ((0.0, 1.5, 0.0), (-2.0, 0.25, 2.0))
 
@@ -124,3 +124,34 @@ def test_half_a_contour_stays_as_it_is(tmp_path):
     points = np.column_stack(ellipse(60))
     write(path, points)
     np.testing.assert_allclose(np.column_stack(read_contour(path)), points, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "per_minute"), [("time", 1), ("time_min", 1), ("t [min]", 1), ("t (h)", 1 / 60),
+                             ("time_s", 60)]
+)  # fmt: skip
+def test_contours_of_several_times_are_read_from_one_table(tmp_path, name, per_minute):
+    path = tmp_path / "contours.csv"
+    times = [30.0, 0.0]
+    points = [np.column_stack(ellipse(40, 2 + time / 100)) for time in times]
+    rows = [(time * per_minute, *row) for time, each in zip(times, points, strict=True)
+            for row in each]  # fmt: skip
+    np.savetxt(path, rows, delimiter=";", header=f"{name};r;z", comments="", fmt="%.10f")
+    found = read_contours(path)
+    assert [contour.time for contour in found] == pytest.approx([0, 30])
+    for contour, each in zip(found, points[::-1], strict=True):
+        np.testing.assert_allclose(np.column_stack(contour[:2]), each, atol=1e-9)
+
+
+def test_a_table_without_times_is_one_contour_of_unknown_time(tmp_path):
+    path = tmp_path / "contour.csv"
+    write(path, np.column_stack(ellipse(60)))
+    (found,) = read_contours(path)
+    assert found == (*read_contour(path), None)
+
+
+def test_a_time_that_is_no_number_is_refused(tmp_path):
+    path = tmp_path / "contours.csv"
+    path.write_text("t,r,z\n0,1,2\nlate,1,2\n")
+    with pytest.raises(ContourError, match=r"line 3: .* expected a number for r, z and time"):
+        read_contours(path)

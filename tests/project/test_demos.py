@@ -133,6 +133,16 @@ def tornado(text: str) -> None:
     assert late["wall.thickness"] < -1 < 1 < late["turgor.pressure"]
 
 
+def turgid_outline(text: str) -> None:
+    """Unloaded shapes are recovered to 1e-5 of the cell and better, and lie on their outlines."""
+    missed = re.findall(r"^(egg|hypha): (unloaded shape|outline) missed by (\S+) nm$", text, re.M)
+    limits = {"unloaded shape": 0.02, "outline": 1e-3}
+    assert len(missed) == 4
+    assert all(float(distance) < limits[what] for _, what, distance in missed)
+    stretches = re.findall(r"stretched up to (\S+)$", text, re.M)
+    assert len(stretches) == 2 and all(1.1 < float(stretch) < 1.3 for stretch in stretches)
+
+
 NUMBERS: dict[str, Callable[[str], None]] = {
     "speed_against_error": speed_against_error,
     "fig6_threshold": fig6,  # the longest first: two run at a time
@@ -144,6 +154,7 @@ NUMBERS: dict[str, Callable[[str], None]] = {
     "balloon": balloon,
     "own_law": own_law,
     "tornado": tornado,
+    "turgid_outline": turgid_outline,
 }
 OPTIONS = {"speed_against_error": ("--quick",)}
 # The rows of the table are asserted one by one in test_hard_cases.py, with these formulas.

@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from fenics_yeast.geometry import Curve, Parametric
+
 SHAPES: dict[str, dict[str, Any]] = {
     "sphere": {"diameter": 5.0},
     "spheroid": {"diameter": 4.0, "height": 7.0},
@@ -26,3 +28,17 @@ SHAPES["profile"] = {
     "tolerance": 1e-5,
 }
 SHAPES = {shape: {"shape": shape, **keys} for shape, keys in SHAPES.items()}
+
+
+def parametric(curve: Curve) -> Parametric:
+    """Return any meridian with its arc length as the parameter."""
+
+    def point(S: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
+        if order == 0:
+            return curve.radius(S), curve.height(S)
+        angle, bend = curve.angle(S), curve.curvature(S)
+        if order == 1:
+            return np.cos(angle), np.sin(angle)
+        return -bend * np.sin(angle), bend * np.cos(angle)
+
+    return Parametric(point, curve.length)
