@@ -5,9 +5,11 @@ A scene is validated once and frozen; inside it every quantity is a number in µ
 
 from .cell import Cell
 from .errors import SceneError, value_text
+from .fit_file import FitProblem, Varied
 from .growth import Growth, Polarity
 from .keys import fields_of, flatten, keys_of, parse_assignment, parse_value, unit_symbol, value_of
 from .loads import Load, PressureTable, Septum, Turgor
+from .measured_curve import MeasuredCurve
 from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from .precision import SHARES, Meridian, estimate_errors
 from .profile_cell import ProfileCell
@@ -18,10 +20,10 @@ from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
 from .zone import Zone
 
 __all__ = [
-    "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "Geometry", "Grading", "Growth",
-    "Integrator", "LinearWall", "Load", "Meridian", "Numerics", "OgdenWall", "Polarity",
+    "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "FitProblem", "Geometry", "Grading", "Growth",
+    "Integrator", "LinearWall", "Load", "MeasuredCurve", "Meridian", "Numerics", "OgdenWall", "Polarity",
     "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
-    "Turgor", "Unit", "Until", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
+    "Turgor", "Unit", "Until", "Varied", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
     "flatten", "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of",
     "value_text",
 ]  # fmt: skip

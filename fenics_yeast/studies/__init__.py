@@ -13,19 +13,38 @@ if TYPE_CHECKING:
     from .derivatives import differences, simulate_with_derivatives
     from .error_bars import estimate_error_bars
     from .figure import draw_sweep
+    from .fit import expected, fit, fit_problem
+    from .fit_figures import draw_fit
+    from .fit_files import read_best, write_fit
+    from .fit_model import Evaluation, Unknowns
+    from .fit_result import Estimate, FitResult, FittedCurve, NoFit, Profile
 
 __all__ = [
-    "TABLE", "Case", "CaseRow", "differences", "draw_sweep", "estimate_error_bars",
-    "parse_variation", "plan", "read_table", "run_sweep", "simulate_with_derivatives",
-    "value_label",
+    "TABLE", "Case", "CaseRow", "Estimate", "Evaluation", "FitResult", "FittedCurve", "NoFit",
+    "Profile", "Unknowns", "differences", "draw_fit", "draw_sweep", "estimate_error_bars",
+    "expected", "fit", "fit_problem", "parse_variation", "plan", "read_best", "read_table",
+    "run_sweep", "simulate_with_derivatives", "value_label", "write_fit",
 ]  # fmt: skip
 
 # Names whose modules load dolfinx or figures.
 _LATE = {
+    "Estimate": "fit_result",
+    "Evaluation": "fit_model",
+    "FitResult": "fit_result",
+    "FittedCurve": "fit_result",
+    "NoFit": "fit_result",
+    "Profile": "fit_result",
+    "Unknowns": "fit_model",
     "differences": "derivatives",
+    "draw_fit": "fit_figures",
     "draw_sweep": "figure",
     "estimate_error_bars": "error_bars",
+    "expected": "fit",
+    "fit": "fit",
+    "fit_problem": "fit",
+    "read_best": "fit_files",
     "simulate_with_derivatives": "derivatives",
+    "write_fit": "fit_files",
 }
 
 
