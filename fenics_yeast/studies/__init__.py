@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from .figure import draw_sweep
     from .fit import expected, fit, fit_problem
     from .fit_figures import draw_fit
-    from .fit_files import read_best, write_fit
+    from .fit_files import RunsTable, read_best, read_runs, write_fit
     from .fit_model import Evaluation, Unknowns
     from .fit_result import Estimate, FitResult, FittedCurve, NoFit, Profile
 
 __all__ = [
     "TABLE", "Case", "CaseRow", "Estimate", "Evaluation", "FitResult", "FittedCurve", "NoFit",
-    "Profile", "Unknowns", "differences", "draw_fit", "draw_sweep", "estimate_error_bars",
-    "expected", "fit", "fit_problem", "parse_variation", "plan", "read_best", "read_table",
+    "Profile", "RunsTable", "Unknowns", "differences", "draw_fit", "draw_sweep", "estimate_error_bars",
+    "expected", "fit", "fit_problem", "parse_variation", "plan", "read_best", "read_runs", "read_table",
     "run_sweep", "simulate_with_derivatives", "value_label", "write_fit",
 ]  # fmt: skip
 
@@ -42,7 +42,9 @@ _LATE = {
     "expected": "fit",
     "fit": "fit",
     "fit_problem": "fit",
+    "RunsTable": "fit_files",
     "read_best": "fit_files",
+    "read_runs": "fit_files",
     "simulate_with_derivatives": "derivatives",
     "write_fit": "fit_files",
 }
