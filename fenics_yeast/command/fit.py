@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,9 +19,12 @@ from .exits import (
     on_terminal,
     terminated_as_interrupted,
 )
-from .fit_terminal import FitLines, FitLine, print_estimates
+from .fit_terminal import FitLine, FitLines, print_estimates
 from .options import Quiet
 from .terminal import print_line
+
+if TYPE_CHECKING:
+    from ..studies import Evaluation
 
 FitFile = Annotated[Path, typer.Argument(metavar="FIT", help="Fit file (TOML).")]
 
@@ -84,7 +87,7 @@ def fit(
             start = read_best(directory, unknowns) if resume else None
             table = RunsTable(directory, unknowns, read_runs(directory, unknowns) if resume else ())
 
-            def tried(evaluation: object) -> None:
+            def tried(evaluation: Evaluation) -> None:
                 table.add(evaluation)
                 if screen is not None:
                     screen.tried(evaluation)

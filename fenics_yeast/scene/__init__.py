@@ -20,9 +20,9 @@ from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
 from .zone import Zone
 
 __all__ = [
-    "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "FitProblem", "Geometry", "Grading", "Growth",
-    "Integrator", "LinearWall", "Load", "MeasuredCurve", "Meridian", "Numerics", "OgdenWall", "Polarity",
-    "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
+    "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "FitProblem", "Geometry", "Grading",
+    "Growth", "Integrator", "LinearWall", "Load", "MeasuredCurve", "Meridian", "Numerics",
+    "OgdenWall", "Polarity", "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
     "Turgor", "Unit", "Until", "Varied", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
     "flatten", "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of",
     "value_text",

@@ -6,6 +6,7 @@ import csv
 import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 from typing import Literal
@@ -111,8 +112,10 @@ def _problem(curve: MeasuredCurve) -> str:
     if not len(times):
         return "no values"
     if not len(times) == len(values) == len(noise):
-        return f"{len(times)} times, {len(values)} values and {len(noise)} errors; expected one each"
-    if any(not before < after for before, after in zip(times, times[1:], strict=False)):
+        return (
+            f"{len(times)} times, {len(values)} values and {len(noise)} errors; expected one each"
+        )
+    if any(not before < after for before, after in pairwise(times)):
         return "expected increasing times"
     if any(not (isfinite(value) and value > 0) for value in values):
         return f"{curve.quantity}: expected numbers > 0"

@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "TABLE", "Case", "CaseRow", "Estimate", "Evaluation", "FitResult", "FittedCurve", "NoFit",
-    "Profile", "RunsTable", "Unknowns", "differences", "draw_fit", "draw_sweep", "estimate_error_bars",
-    "expected", "fit", "fit_problem", "parse_variation", "plan", "read_best", "read_runs", "read_table",
-    "run_sweep", "simulate_with_derivatives", "value_label", "write_fit",
+    "Profile", "RunsTable", "Unknowns", "differences", "draw_fit", "draw_sweep",
+    "estimate_error_bars", "expected", "fit", "fit_problem", "parse_variation", "plan",
+    "read_best", "read_runs", "read_table", "run_sweep", "simulate_with_derivatives",
+    "value_label", "write_fit",
 ]  # fmt: skip
 
 # Names whose modules load dolfinx or figures.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..geometry import Array
 from ..scene import FitProblem, MeasuredCurve, Scene, SceneError
@@ -146,7 +147,7 @@ class FitModel:
         KeyboardInterrupt
             If a run is interrupted.
         """
-        times = [curve.time_min for curve in self.problem.curves]
+        times = [np.asarray(curve.time_min, dtype=float) for curve in self.problem.curves]
         try:
             predictions = self.predict(x, times)
         except SceneError as error:
@@ -226,7 +227,7 @@ class FitModel:
             return Prediction(np.full(len(times), _LOST), slopes, False)
         first, last = history.time_min[rows[0]], history.time_min[rows[-1]]
         # Before the turgor has risen, a cell is measured with its turgor, too.
-        first = min(max(first, *[kink for kink in history.kinks[:1]]), last)
+        first = min(max(first, *history.kinks[:1]), last)
         inside = np.clip(times, first, last)
         values = history.interpolate(column, inside)
         theta = self.unknowns.values(x)[: len(self._keys)]
@@ -257,10 +258,10 @@ def _until(scene: Scene, end: float) -> Scene:
     return scene.with_values({"run.end": end, "run.save": [end]})
 
 
-def _in_time(history: History, found: Sensitivities | None) -> Array:
+def _in_time(history: History, found: Sensitivities | None) -> NDArray[np.intp]:
     """Return the numbers of the rows at increasing times that have derivatives."""
     if found is None or not len(history):
-        return np.array([], dtype=int)
+        return np.array([], dtype=np.intp)
     known = np.isfinite(found.volume_um3).all(axis=1)
     known &= np.diff(history.time_min, prepend=-np.inf) > 1e-12 * np.abs(history.time_min)
     return np.flatnonzero(known)
