@@ -22,7 +22,8 @@ from .zone import Zone
 __all__ = [
     "PRESETS", "SHARES", "AnyWall", "Cell", "Control", "FitProblem", "Geometry", "Grading",
     "Growth", "Integrator", "LinearWall", "Load", "MeasuredCurve", "Meridian", "Numerics",
-    "OgdenWall", "Polarity", "Preset", "PressureTable", "ProfileCell", "Run", "Scene", "SceneError", "Septum", "StaticPath",
+    "OgdenWall", "Polarity", "Preset", "PressureTable", "ProfileCell", "Run",
+    "Scene", "SceneError", "Septum", "StaticPath",
     "Turgor", "Unit", "Until", "Varied", "Wall", "WallZone", "Zone", "estimate_errors", "fields_of",
     "flatten", "keys_of", "parse_assignment", "parse_value", "unit_symbol", "value_of",
     "value_text",

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from .fit_search import best_of, guesses
 from .fit_tasks import Task, Team
 from .fit_uncertainty import bootstrap as made_fits
 from .fit_uncertainty import ends, profiles
+
+if TYPE_CHECKING:
+    from ..simulation import ShellPool
 
 _FINE = 121  # points of a drawn curve
 _NEAR = 1e-4  # of an unknown to its limit, in logarithms or min
@@ -75,6 +78,7 @@ def fit_problem(
     jobs: int = 1,
     start: Sequence[float] | None = None,
     tried: Callable[[Evaluation], None] | None = None,
+    shells: ShellPool | None = None,
 ) -> FitResult:
     """Fit what a file describes.
 
@@ -92,6 +96,8 @@ def fit_problem(
         First values of the unknowns, instead of those of the problem.
     tried
         Called with each evaluation, in the order in which they become known.
+    shells
+        Shells kept from one fit to the next, so that only the first one compiles.
 
     Raises
     ------
@@ -104,8 +110,8 @@ def fit_problem(
 
     began = perf_counter()
     unknowns = Unknowns(problem)
-    with ShellPool() as shells:
-        model = FitModel(problem, shells, tried)
+    with ShellPool() as own:
+        model = FitModel(problem, own if shells is None else shells, tried)
         first, *others = guesses(problem)
         if start is not None:
             first = unknowns.place(np.asarray(start, dtype=float))

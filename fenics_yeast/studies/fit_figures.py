@@ -84,7 +84,7 @@ def _line(one: Estimate) -> str:
 def _draw_correlation(path: Path, result: FitResult) -> None:
     names = [plain(_short(one.key)) for one in result.parameters]
     count = len(names)
-    with figure_of(path, 2.4 + 0.75 * count, 1.6 + 0.6 * count) as figure:
+    with figure_of(path, 3.4 + 0.75 * count, 1.9 + 0.6 * count) as figure:
         figure.set_layout_engine("constrained")
         axes: Axes = figure.add_subplot()
         image = axes.imshow(result.correlation, cmap="RdBu_r", vmin=-1, vmax=1)

@@ -15,7 +15,7 @@ from .fit_search import cost
 from .fit_statistics import CHI2
 from .fit_tasks import Task, Team
 
-_PLACES = np.array([-1.5, -1.0, -0.5, 0.5, 1.0, 1.5])  # of a profile, in half intervals
+_PLACES = np.array([-2.2, -1.5, -1.0, -0.5, 0.5, 1.0, 1.5, 2.2])  # of a profile, in half intervals
 _WIDEST = 1.2  # largest half interval that a profile follows, in logarithms
 _SEED = 23
 
