@@ -115,7 +115,7 @@ def fit_problem(
         first, *others = guesses(problem)
         if start is not None:
             first = unknowns.place(np.asarray(start, dtype=float))
-        model.evaluate(first, strict=True)
+        model.check(first)
         team = Team(model, jobs)
         searches = team.run([Task(problem, guess) for guess in (first, *others)])
         solution = best_of(searches, problem)
@@ -147,7 +147,8 @@ def expected(problem: FitProblem) -> FitResult:
     began = perf_counter()
     with ShellPool() as shells:
         model = FitModel(problem, shells)
-        at = model.evaluate(model.unknowns.start, strict=True)
+        model.check(model.unknowns.start)
+        at = model.evaluate(model.unknowns.start)
         if not at.complete:
             raise NoFit(f"the run ends before the last time: {at.message}")
         result = _result(model, at, judged=False)

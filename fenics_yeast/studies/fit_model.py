@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from ..geometry import Array
 from ..scene import FitProblem, MeasuredCurve, Scene, SceneError
-from ..simulation import History, Result, Sensitivities
+from ..simulation import History, Result, Sensitivities, interpolate
 from .derivatives import simulate_with_derivatives
 
 if TYPE_CHECKING:
     from ..simulation import ShellPool
 
-_RISE = 10.0  # of a curve beyond the end of its run, in values per time span
+_RISE = 5.0  # slope of a curve beyond the end of its run, in largest values per time span
 _LOST = 1e4  # residual of values that no run reached
 _MOMENT = 1e-3  # min, half of the difference that gives a slope in time
 
@@ -137,13 +137,23 @@ class FitModel:
         """Number of different scenes."""
         return len(set(self._experiment))
 
-    def evaluate(self, x: Array, strict: bool = False) -> Evaluation:
-        """Return residuals and derivatives; of a scene that is not valid, large residuals.
+    def check(self, x: Array) -> None:
+        """Run the scenes, which are kept for the next evaluation.
 
         Raises
         ------
         SceneError
-            If `strict`, and a scene is not valid.
+            If a scene is not valid.
+        KeyboardInterrupt
+            If a run is interrupted.
+        """
+        self._results(x)
+
+    def evaluate(self, x: Array) -> Evaluation:
+        """Return residuals and derivatives; of a scene that is not valid, large residuals.
+
+        Raises
+        ------
         KeyboardInterrupt
             If a run is interrupted.
         """
@@ -151,8 +161,6 @@ class FitModel:
         try:
             predictions = self.predict(x, times)
         except SceneError as error:
-            if strict:
-                raise
             count = sum(map(len, times))
             lost = np.full(count, _LOST), np.zeros((count, len(x)))
             evaluation = Evaluation(x, *lost, False, str(error))
@@ -184,8 +192,8 @@ class FitModel:
     def predict(self, x: Array, times: list[Array]) -> list[Prediction]:
         """Return the values of each curve at times of that curve.
 
-        Beyond the end of a run that ends early, a curve goes on steeply: residuals there are large
-        but continuous, and lead back.
+        A curve whose run ends early goes on along its tangent from where it became steep:
+        residuals there are large, but smooth, and lead back.
         """
         results = self._results(x)
         offsets = self.unknowns.offsets(x)
@@ -195,7 +203,7 @@ class FitModel:
             place = next(free) if _free(curve) else None
             at = np.asarray(times[number], dtype=float) - offsets[number]
             result = results[self._experiment[number]]
-            found.append(self._curve(result, curve.column, at, x, place))
+            found.append(self._curve(result, curve, at, x, place))
         return found
 
     def _results(self, x: Array) -> list[Result]:
@@ -218,9 +226,9 @@ class FitModel:
         return results
 
     def _curve(
-        self, result: Result, column: str, times: Array, x: Array, place: int | None
+        self, result: Result, curve: MeasuredCurve, times: Array, x: Array, place: int | None
     ) -> Prediction:
-        history, found = result.history, result.sensitivities
+        history, found, column = result.history, result.sensitivities, curve.column
         slopes = np.zeros((len(times), len(x)))
         rows = _in_time(history, found)
         if found is None or len(rows) < 2:
@@ -228,29 +236,60 @@ class FitModel:
         first, last = history.time_min[rows[0]], history.time_min[rows[-1]]
         # Before the turgor has risen, a cell is measured with its turgor, too.
         first = min(max(first, *history.kinks[:1]), last)
+        complete = float(times.max()) <= last + 1e-9 * max(1.0, last)
+        steepest = _RISE * max(curve.values) / max(curve.time_min[-1] - curve.time_min[0], 1.0)
+        if not complete:
+            last = _steep(history, column, rows, first, steepest)
         inside = np.clip(times, first, last)
         values = history.interpolate(column, inside)
         theta = self.unknowns.values(x)[: len(self._keys)]
-        slopes[:, : len(theta)] = found.interpolate(column, inside) * theta
-        if place is not None:
-            after, before = np.clip(inside + _MOMENT, first, last), inside - _MOMENT
-            before = np.clip(before, first, last)
-            rise = history.interpolate(column, after) - history.interpolate(column, before)
-            slopes[:, place] = np.where(times > first, -rise / (after - before), 0.0)
-        late = np.maximum(times - last, 0.0)
+        # Steeper rows, in which derivatives grow without bound, would make the spline swing.
+        used = rows[: np.searchsorted(history.time_min[rows], last - 1e-9) + 1]
+        derivatives = interpolate(
+            history.time_min[used], found.of(column)[used], history.kinks, inside
+        )
+        slopes[:, : len(theta)] = derivatives * theta
+        rise = _rise(history, column, inside, first, last)
+        late = times - last
         beyond = late > 1e-9 * max(1.0, last)
+        if place is not None:
+            slopes[:, place] = np.where(times > first, -rise, 0.0)
+            slopes[beyond, place] = -steepest
         if beyond.any():
-            # Where all curves of a family run into their ends, they shift along the time.
-            V, t = history.volume_um3[rows], history.time_min[rows]
-            steepest = max((V[-1] - V[-2]) / (t[-1] - t[-2]), 1e-12 * V[-1])
-            earlier = found.volume_um3[rows[-1]] * theta / steepest
-            rate = _RISE * values[beyond] / max(float(times[-1]), 1.0)
-            values[beyond] += rate * late[beyond]
-            slopes[beyond, :] = 0.0
-            slopes[np.ix_(beyond, range(len(theta)))] = rate[:, None] * earlier
-            if place is not None:
-                slopes[beyond, place] = -rate
-        return Prediction(values, slopes, not beyond.any())
+            values[beyond] += steepest * late[beyond]
+            # Curves that end before they are steep shift along the time with their end.
+            if 0 < rise[beyond][0] < 0.5 * steepest:
+                slopes[beyond, : len(theta)] *= steepest / rise[beyond][0]
+        return Prediction(values, slopes, complete)
+
+
+def _rise(history: History, column: str, times: Array, first: float, last: float) -> Array:
+    """Return the slopes of a column in time, within a part of the run."""
+    after, before = np.minimum(times + _MOMENT, last), np.maximum(times - _MOMENT, first)
+    change = history.interpolate(column, after) - history.interpolate(column, before)
+    slope: Array = change / np.maximum(after - before, 1e-300)
+    return slope
+
+
+def _steep(
+    history: History, column: str, rows: NDArray[np.intp], first: float, steepest: float
+) -> float:
+    """Return the time from which a run that ends early is steeper than some slope, or its end."""
+    from scipy.optimize import brentq
+
+    time, values = history.time_min[rows], getattr(history, column)[rows]
+    end = float(time[-1])
+    gentle = np.flatnonzero((np.diff(values) < steepest * np.diff(time)) & (time[:-1] >= first))
+    if not len(gentle) or gentle[-1] == len(time) - 2:
+        return end if len(gentle) else first + 0.5 * (end - first)
+
+    def excess(at: float) -> float:
+        return float(_rise(history, column, np.array([at]), first, end)[0]) - steepest
+
+    low, high = float(time[gentle[-1]]), float(time[gentle[-1] + 2])
+    if excess(low) * excess(high) >= 0:
+        return float(time[gentle[-1] + 1])
+    return float(brentq(excess, low, high))
 
 
 def _until(scene: Scene, end: float) -> Scene:

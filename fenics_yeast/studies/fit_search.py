@@ -12,7 +12,7 @@ from ..scene import FitProblem
 from .fit_model import Evaluation, FitModel, Unknowns
 
 _MOST = 60  # evaluations from one start
-_EXACT = 1e-7  # relative change of unknowns or of chi2 at which a search ends
+_EXACT = 1e-6  # relative change of unknowns or of chi2 at which a search ends
 _SEED = 17
 
 
