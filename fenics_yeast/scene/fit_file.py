@@ -9,15 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator
+from pydantic_core import PydanticCustomError
 
-from .errors import SceneError, value_text
+from .errors import SceneError, refusal, value_text
 from .explain import explain
 from .keys import flatten, unit_symbol, value_of
 from .measured_curve import MeasuredCurve
 from .scene import Scene
 from .table import ListOf, Table
-from .units import Time
+from .units import TIME
 
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
 _WIDE = 30.0  # default limits, as a factor of the start
@@ -30,12 +31,24 @@ class CurveTable(Table):
     noise: float | None = Field(
         default=None, gt=0, lt=1, description="standard deviation relative to the values"
     )
-    offset: Literal["free"] | Time = Field(
-        default=0.0, description='time at which the run begins, or "free" (min)'
-    )
+    offset: Any = Field(default=0.0, description='time at which the run begins, or "free" (min)')
     set: dict[str, Any] = Field(
         default_factory=dict, description="values of the scene that differed, by dotted key"
     )
+
+    @field_validator("offset")
+    @classmethod
+    def _time_or_free(cls, value: object) -> object:
+        if value == "free":
+            return value
+        must = 'expected a time, e.g. "12 min" (plain numbers are in min), or "free"'
+        try:
+            time = TIME.read(value)
+        except PydanticCustomError:
+            raise refusal(must) from None
+        if not isinstance(time, float):
+            raise refusal(must)
+        return time
 
 
 class VaryTable(Table):

@@ -121,10 +121,10 @@ def _problem(curve: MeasuredCurve) -> str:
         return f"{curve.quantity}: expected numbers > 0"
     if any(not 0 < error < _LARGEST_NOISE for error in noise):
         return "noise and the column error are relative to the values: expected numbers > 0 and < 1"
-    if curve.offset != "free" and times[-1] <= curve.offset:
-        return f"offset = {curve.offset:g}: expected less than the last time, {times[-1]:g} min"
     if curve.offset == 0 and times[0] < 0:
         return f"time_min = {times[0]:g}: negative; set offset, the time at which growth began"
+    if curve.offset != "free" and times[-1] <= curve.offset:
+        return f"offset = {curve.offset:g}: expected less than the last time, {times[-1]:g} min"
     return ""
 
 
@@ -155,7 +155,7 @@ def _read(path: Path) -> tuple[str, dict[str, list[float]]]:
             except ValueError:
                 where = f"{path}, row {number}: {name} = {value_text(cell)}"
                 raise SceneError(f"{where}: expected a number") from None
-    return quantity, {name: numbers for name, numbers in columns.items() if numbers}
+    return quantity, {name: columns[name] for name in (_TIME, quantity, _ERROR) if name in columns}
 
 
 def _quantity(path: Path, header: Sequence[str]) -> str:
