@@ -15,7 +15,7 @@ import numpy as np
 from fenics_yeast import MeasuredCurve, Scene
 from fenics_yeast.scene import FitProblem
 from fenics_yeast.simulation import ShellPool
-from fenics_yeast.studies import fit_problem
+from fenics_yeast.studies import draw_fit, fit_problem
 
 HERE = Path(__file__).parent
 SEEDS = int(sys.argv[1]) if len(sys.argv) > 1 else 10
@@ -85,5 +85,7 @@ with ShellPool() as shells:
         problem = FitProblem.of(BUD, curves, limits)
         found = fit_problem(problem, start=np.exp(start), shells=shells)
         places.append([np.log(one.value) for one in found.parameters])
+    drawn = draw_fit(Path("out/fit_bud"), found)[0].replace("out/fit_bud.png")
+    print(f"Fit: {drawn}")
     spread = np.ptp(places, axis=0)
     print(f"ten starts: values differ by {spread[0]:.1e} and {spread[1]:.1e} (relative)")

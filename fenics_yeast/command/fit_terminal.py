@@ -70,4 +70,4 @@ def print_estimates(result: FitResult, judged: bool = True) -> None:
     if judged:
         print_line(f"chi2 = {result.chi2:.4g} for {result.degrees_of_freedom} degrees of freedom")
     for warning in result.warnings:
-        typer.echo(f"warning: {warning}", err=True)
+        print_line(f"warning: {warning}")
