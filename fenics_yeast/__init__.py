@@ -8,15 +8,16 @@
 import os
 from typing import TYPE_CHECKING, Any
 
-from .scene import Scene, SceneError
+from .scene import MeasuredCurve, Scene, SceneError
 
 if TYPE_CHECKING:
     from .simulation import Simulation, simulate
+    from .studies.fit import fit
 
 # Before MPI loads UCX, which would keep SIGHUP for its own tracing (openucx/ucx, issue 10742).
 os.environ.setdefault("UCX_DEBUG_SIGNO", "0")
 
-__all__ = ["Scene", "SceneError", "Simulation", "simulate"]
+__all__ = ["MeasuredCurve", "Scene", "SceneError", "Simulation", "fit", "simulate"]
 
 
 def __getattr__(name: str) -> Any:
@@ -28,4 +29,8 @@ def __getattr__(name: str) -> Any:
         from . import simulation
 
         return getattr(simulation, name)
+    if name == "fit":
+        from . import studies
+
+        return studies.fit
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

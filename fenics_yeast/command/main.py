@@ -27,6 +27,7 @@ from .exits import (
     on_terminal,
     terminated_as_interrupted,
 )
+from .fit import design, fit
 from .options import Assignments, PairedValues, Quiet, SceneFile, Variations
 
 if TYPE_CHECKING:
@@ -236,6 +237,10 @@ def modes(
         pressure = "none" if mode.pressure is None else f"{mode.pressure:.6g} MPa"
         typer.echo(f"{mode.waves:3} waves: {pressure}")
     typer.echo(f"see {directory}")
+
+
+app.command()(fit)
+app.command()(design)
 
 
 @app.command()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from .buckling_mode import BucklingMode
 from .discretise import discretise
 from .history import COLUMNS, Digest, History, Row
+from .interpolation import interpolate
 from .kinks import kinks
 from .observers import Observers
 from .profiles import Profile, Profiles
@@ -39,11 +40,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ANSWERS", "COLUMNS", "EXIT_STATUS", "Bifurcation", "BucklingMode", "Checkpoint",
-    "CheckpointError", "Digest", "ErrorBars", "ErrorEstimate", "History", "Observer",
-    "Observers", "Profile", "Profiles", "Replay", "Result", "ResumePoint", "RootError", "Row",
-    "Sensitivities", "ShellPool", "Simulation", "Status", "Timings", "UnloadedShape",
-    "UnloadedShapeError", "buckling_modes", "build_shell", "discretise", "find_unloaded", "fit_of",
-    "has_exact_sensitivity", "kinks", "on_root", "pieces", "simulate",
+    "CheckpointError", "Digest", "ErrorBars", "ErrorEstimate", "History", "Observer", "Observers",
+    "Profile", "Profiles", "Replay", "Result", "ResumePoint", "RootError", "Row", "Sensitivities",
+    "ShellPool", "Simulation", "Status", "Timings", "UnloadedShape", "UnloadedShapeError",
+    "buckling_modes", "build_shell", "discretise", "find_unloaded", "fit_of",
+    "has_exact_sensitivity", "interpolate", "kinks", "on_root", "pieces", "simulate",
 ]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.

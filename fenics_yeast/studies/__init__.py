@@ -14,24 +14,47 @@ if TYPE_CHECKING:
     from .derivatives import differences, simulate_with_derivatives
     from .error_bars import estimate_error_bars
     from .figure import draw_sweep
+    from .fit import expected, fit, fit_problem
+    from .fit_figures import draw_fit
+    from .fit_files import RunsTable, read_best, read_runs, write_fit
+    from .fit_model import Evaluation, Unknowns
+    from .fit_result import Estimate, FitResult, FittedCurve, NoFit, Profile
     from .outlines import OutlineResiduals, compare_outlines, distances, outline_residuals
 
 __all__ = [
-    "TABLE", "Case", "CaseRow", "OutlineResiduals", "compare_outlines", "differences",
-    "distances", "draw_sweep", "estimate_error_bars", "outline_residuals", "parse_variation",
-    "plan", "read_paired", "read_table", "run_sweep", "simulate_with_derivatives", "value_label",
+    "TABLE", "Case", "CaseRow", "Estimate", "Evaluation", "FitResult", "FittedCurve", "NoFit",
+    "OutlineResiduals", "Profile", "RunsTable", "Unknowns", "compare_outlines", "differences",
+    "distances", "draw_fit", "draw_sweep", "estimate_error_bars", "expected", "fit",
+    "fit_problem", "outline_residuals", "parse_variation", "plan", "read_best", "read_paired",
+    "read_runs", "read_table", "run_sweep", "simulate_with_derivatives", "value_label",
+    "write_fit",
 ]  # fmt: skip
 
 # Names whose modules load dolfinx or figures.
 _LATE = {
+    "Estimate": "fit_result",
+    "Evaluation": "fit_model",
+    "FitResult": "fit_result",
+    "FittedCurve": "fit_result",
+    "NoFit": "fit_result",
     "OutlineResiduals": "outlines",
+    "Profile": "fit_result",
+    "RunsTable": "fit_files",
+    "Unknowns": "fit_model",
     "compare_outlines": "outlines",
     "differences": "derivatives",
     "distances": "outlines",
+    "draw_fit": "fit_figures",
     "draw_sweep": "figure",
     "estimate_error_bars": "error_bars",
+    "expected": "fit",
+    "fit": "fit",
+    "fit_problem": "fit",
     "outline_residuals": "outlines",
+    "read_best": "fit_files",
+    "read_runs": "fit_files",
     "simulate_with_derivatives": "derivatives",
+    "write_fit": "fit_files",
 }
 
 

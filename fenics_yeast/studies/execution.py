@@ -8,7 +8,7 @@ writing.
 import os
 import signal
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
@@ -17,7 +17,7 @@ from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Event, Lock, Thread
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ParamSpec, Protocol, TypeVar
 
 from ..output import SIGNALS, DolfinxMissing, FolderLock, Job, OutputError, RunLost, writing
 from ..scene import SceneError
@@ -27,6 +27,9 @@ from .table import TABLE, CaseRow, finished_row, is_unfinished, read_table, row_
 
 if TYPE_CHECKING:
     from ..simulation import ShellPool
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 # One of each per worker process.
 _STOP = Event()  # its case ends after the current step
@@ -109,7 +112,7 @@ def _run_cases(
     left = [case for case in cases if case.name not in rows]
     if screen is not None:
         screen.begun(len(cases), list(rows.values()))
-    ended = _on_ranks(directory, left, comm) if comm else _in_processes(directory, left, jobs)
+    ended = _on_ranks(directory, left, comm) if comm else _inprocesses(directory, left, jobs)
 
     def write() -> list[CaseRow]:
         known = [rows[case.name] for case in cases if case.name in rows]
@@ -174,8 +177,13 @@ class _UntilStopped:
         return
 
 
+def stopping() -> bool:
+    """Return whether the work of this process is to end soon."""
+    return _STOP.is_set()
+
+
 @cache
-def _shells() -> "ShellPool":
+def shells_of_process() -> "ShellPool":
     """Return the shells that all cases of this process share."""
     from ..simulation import ShellPool
 
@@ -189,7 +197,7 @@ def _work(directory: Path, case: Case) -> str:
     def run(resume: bool) -> Result:
         place, screen, alone = directory / case.name, _UntilStopped(), MPI.COMM_SELF
         with Job(
-            place, case.scene, screen=screen, comm=alone, resume=resume, shells=_shells()
+            place, case.scene, screen=screen, comm=alone, resume=resume, shells=shells_of_process()
         ) as job:
             result = job.run()
             job.complete(result)
@@ -231,17 +239,17 @@ def _begin(parent: Connection) -> None:
 # Processes of this machine --------------------------------------------------------------------
 
 
-def _in_processes(directory: Path, cases: Sequence[Case], jobs: int) -> _Ended:
+def _inprocesses(directory: Path, cases: Sequence[Case], jobs: int) -> _Ended:
     """Yield cases as they end. Those running when a process dies are rerun one by one."""
     waiting, suspects = deque(cases), deque[Case]()
     while waiting or suspects:
         batch, width = (suspects, 1) if suspects else (waiting, min(jobs, len(waiting)))
         running: dict[Future[str], Case] = {}
         try:
-            with _processes(width) as pool:
+            with processes(width) as pool:
                 while batch or running:
                     while batch and len(running) < width:
-                        future = _submit(pool, directory, batch[0])
+                        future = submit(pool, _work, directory, batch[0])
                         running[future] = batch.popleft()
                     for future in wait(running, return_when=FIRST_COMPLETED).done:
                         message = _message(future)
@@ -253,7 +261,7 @@ def _in_processes(directory: Path, cases: Sequence[Case], jobs: int) -> _Ended:
 
 
 @contextmanager
-def _processes(width: int) -> Iterator[ProcessPoolExecutor]:
+def processes(width: int) -> Iterator[ProcessPoolExecutor]:
     """Yield a pool of processes; if left early, stop their cases and wait for them."""
     context = get_context("spawn")
     theirs, ours = context.Pipe(duplex=False)
@@ -272,11 +280,13 @@ def _processes(width: int) -> Iterator[ProcessPoolExecutor]:
             theirs.close()
 
 
-def _submit(pool: ProcessPoolExecutor, directory: Path, case: Case) -> Future[str]:
-    """Submit a case; new processes, and compilers below them, ignore the terminal's Ctrl-C."""
+def submit(
+    pool: ProcessPoolExecutor, work: Callable[P, T], *of: P.args, **by: P.kwargs
+) -> Future[T]:
+    """Submit work; new processes, and compilers below them, ignore the terminal's Ctrl-C."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        return pool.submit(_work, directory, case)
+        return pool.submit(work, *of, **by)
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
