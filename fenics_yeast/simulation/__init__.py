@@ -41,8 +41,8 @@ __all__ = [
     "CheckpointError", "Digest", "ErrorBars", "ErrorEstimate", "History", "Observer",
     "Observers", "Profile", "Profiles", "Replay", "Result", "ResumePoint", "RootError", "Row",
     "Sensitivities", "ShellPool", "Simulation", "Status", "Timings", "buckling_modes",
-    "build_shell", "discretise", "has_exact_sensitivity", "interpolate", "kinks", "on_root", "pieces",
-    "simulate",
+    "build_shell", "discretise", "has_exact_sensitivity", "interpolate", "kinks", "on_root",
+    "pieces", "simulate",
 ]  # fmt: skip
 
 # What loads dolfinx, by the module that holds it.

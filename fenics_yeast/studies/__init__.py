@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from .derivatives import differences, simulate_with_derivatives
     from .error_bars import estimate_error_bars
     from .figure import draw_sweep
-    from .fitting import expected, fit, fit_problem
     from .fit_figures import draw_fit
     from .fit_files import RunsTable, read_best, read_runs, write_fit
     from .fit_model import Evaluation, Unknowns
     from .fit_result import Estimate, FitResult, FittedCurve, NoFit, Profile
+    from .fitting import expected, fit, fit_problem
 
 __all__ = [
     "TABLE", "Case", "CaseRow", "Estimate", "Evaluation", "FitResult", "FittedCurve", "NoFit",

@@ -50,7 +50,7 @@ def test_a_fit_finds_what_made_a_curve(shells: ShellPool, quantity: str) -> None
 
 
 def test_two_turgors_separate_what_one_does_not(shells: ShellPool) -> None:
-    """Standard deviations of logarithms and correlations by differences of another program's runs."""
+    """Standard deviations of logarithms and correlations by another program's differences."""
     one = made(shells)
     other = made(shells, set={"turgor.pressure": 0.19})
     together = [expected(FitProblem.of(BUD, c, BOTH)) for c in ([one], [one, other])]
@@ -148,5 +148,5 @@ def test_fit_is_a_function_of_the_package(shells: ShellPool) -> None:
     found = fit(BUD, [curve], vary={"growth.time": {"from": 20, "to": 90}}, starts=2)
     assert found["growth.time"].value == pytest.approx(45, rel=1e-3)
     assert list(found.to_frame().index) == ["growth.time"]
-    with pytest.raises(SceneError, match="did you mean growth.time"):
+    with pytest.raises(SceneError, match=r"did you mean growth\.time"):
         fit(BUD, [curve], vary=["growth.tme"])
