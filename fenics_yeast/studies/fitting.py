@@ -1,6 +1,6 @@
 """Fit numbers of a scene to measured curves, by least squares in logarithms.
 
-Each run of the search is differentiated exactly, so that steps chosen anew do not disturb it.
+Each run of the search is differentiated exactly, so that its choice of steps does not disturb it.
 Searches from several starts, profiles and made data share the processes of this machine.
 """
 
