@@ -3,7 +3,7 @@
 Threshold 1.07 MPa, growth time 38 min. The intervals of 95 % must contain these in 90 to 98 % of
 all noise. One curve does not separate the two, a second one at a lower turgor does.
 
-    python demos/fit_bud.py [SEEDS]        (default: 10; 200 take some 10 min on one core)
+    python demos/fit_bud.py [SEEDS]        (default: 3; 200 take some 25 min on one core)
 """
 
 import csv
@@ -18,7 +18,7 @@ from fenics_yeast.simulation import ShellPool
 from fenics_yeast.studies import draw_fit, fit_problem
 
 HERE = Path(__file__).parent
-SEEDS = int(sys.argv[1]) if len(sys.argv) > 1 else 10
+SEEDS = int(sys.argv[1]) if len(sys.argv) > 1 else 3
 TRUE = {"growth.threshold": 1.07, "growth.time": 38.0}
 NOISE = 0.01
 BUD = Scene.load(HERE / "scenes" / "bud.toml").with_values({"numerics": {"preset": "default"}})

@@ -12,7 +12,7 @@ from .scene import MeasuredCurve, Scene, SceneError
 
 if TYPE_CHECKING:
     from .simulation import Simulation, simulate
-    from .studies.fit import fit
+    from .studies import fit
 
 # Before MPI loads UCX, which would keep SIGHUP for its own tracing (openucx/ucx, issue 10742).
 os.environ.setdefault("UCX_DEBUG_SIGNO", "0")

@@ -147,3 +147,9 @@ def _load(fit_file: Path) -> FitProblem:
         return FitProblem.load(fit_file)
     except SceneError as error:
         fail(str(error), BAD_INPUT)
+
+
+def add_fits(app: typer.Typer) -> None:
+    """Add the commands of fits."""
+    app.command()(fit)
+    app.command()(design)

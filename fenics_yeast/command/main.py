@@ -27,7 +27,7 @@ from .exits import (
     on_terminal,
     terminated_as_interrupted,
 )
-from .fit import design, fit
+from .fit import add_fits
 from .options import Assignments, PairedValues, Quiet, SceneFile, Variations
 
 if TYPE_CHECKING:
@@ -41,6 +41,9 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help and usage errors, which need no rich
     pretty_exceptions_enable=False,
 )
+
+
+add_fits(app)
 
 
 def _show_version(requested: bool) -> None:
@@ -237,10 +240,6 @@ def modes(
         pressure = "none" if mode.pressure is None else f"{mode.pressure:.6g} MPa"
         typer.echo(f"{mode.waves:3} waves: {pressure}")
     typer.echo(f"see {directory}")
-
-
-app.command()(fit)
-app.command()(design)
 
 
 @app.command()

@@ -127,13 +127,13 @@ def _error_bars(content: dict[str, Any]) -> ErrorBars:
 
 
 def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
     import dolfinx
     from petsc4py import PETSc
 
-    from .. import __version__
-
     return {
-        "fenics_yeast": __version__,
+        "fenics_yeast": version("fenics-yeast"),
         "dolfinx": dolfinx.__version__,
         "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
         "python": platform.python_version(),

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from .derivatives import differences, simulate_with_derivatives
     from .error_bars import estimate_error_bars
     from .figure import draw_sweep
-    from .fit import expected, fit, fit_problem
     from .fit_figures import draw_fit
     from .fit_files import RunsTable, read_best, read_runs, write_fit
     from .fit_model import Evaluation, Unknowns
     from .fit_result import Estimate, FitResult, FittedCurve, NoFit, Profile
+    from .fitting import expected, fit, fit_problem
     from .outlines import OutlineResiduals, compare_outlines, distances, outline_residuals
 
 __all__ = [
@@ -47,9 +47,9 @@ _LATE = {
     "draw_fit": "fit_figures",
     "draw_sweep": "figure",
     "estimate_error_bars": "error_bars",
-    "expected": "fit",
-    "fit": "fit",
-    "fit_problem": "fit",
+    "expected": "fitting",
+    "fit": "fitting",
+    "fit_problem": "fitting",
     "outline_residuals": "outlines",
     "read_best": "fit_files",
     "read_runs": "fit_files",

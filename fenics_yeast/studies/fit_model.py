@@ -192,7 +192,7 @@ class FitModel:
     def predict(self, x: Array, times: list[Array]) -> list[Prediction]:
         """Return the values of each curve at times of that curve.
 
-        A curve whose run ends early goes on along its tangent from where it became steep:
+        A curve whose run ends early follows its tangent from where it became steep:
         residuals there are large, but smooth, and lead back.
         """
         results = self._results(x)

@@ -76,7 +76,7 @@ class FitResult:
     curves
         Measured and fitted curves.
     warnings
-        What the data cannot tell, and what would help.
+        What the data do not fix, and what would help.
     runs, seconds
         Runs of the scene with derivatives, and the time that all took.
     profiles

@@ -1,4 +1,4 @@
-"""What data can tell of the numbers of a fit: intervals, correlations, and warnings."""
+"""How well data fix the numbers of a fit: intervals, correlations, and warnings."""
 
 from __future__ import annotations
 

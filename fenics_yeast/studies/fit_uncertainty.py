@@ -23,7 +23,7 @@ _SEED = 23
 def profiles(
     problem: FitProblem, best: Evaluation, result: FitResult, team: Team
 ) -> tuple[Profile, ...]:
-    """Return the profile of each varied number: the others are fitted anew beside its values."""
+    """Return the profile of each varied number: the others are fitted again beside its values."""
     unknowns = Unknowns(problem)
     low, high = unknowns.limits
     tasks, places = [], []

@@ -1,6 +1,6 @@
 """Fit numbers of a scene to measured curves, by least squares in logarithms.
 
-Each run of the search is differentiated exactly, so that steps chosen anew do not disturb it.
+Each run of the search is differentiated exactly, so that its choice of steps does not disturb it.
 Searches from several starts, profiles and made data share the processes of this machine.
 """
 
@@ -199,7 +199,7 @@ def _curves(model: FitModel, best: Evaluation, C: Array) -> tuple[FittedCurve, .
     """Return measured and fitted curves, with bands of the prediction."""
     curves, offsets = model.problem.curves, model.unknowns.offsets(best.x)
     starts = [min(curve.time_min[0], offset) for curve, offset in zip(curves, offsets, strict=True)]
-    fine = [np.linspace(max(start, curve.time_min[0] - 5.0), curve.time_min[-1], _FINE)
+    fine = [np.linspace(start, curve.time_min[-1], _FINE)
             for start, curve in zip(starts, curves, strict=True)]  # fmt: skip
     at = model.predict(best.x, [np.asarray(curve.time_min) for curve in curves])
     between = model.predict(best.x, fine)
