@@ -178,10 +178,12 @@ class Static:
     def _ended(self, error: PathError) -> Outcome:
         """Distinguish a limit point of the controlled load from a lost path."""
         path, rows, extreme = self._path, self._recorder.rows, self._extreme()
-        if extreme is not None and path.control == "pressure":
-            return limit_pressure_exceeded(extreme.pressure_MPa)
-        if extreme is not None and path.control == "force":
-            return limit_force_exceeded(extreme.force_uN)
+        if extreme is not None:  # a limit is one on the way to the target
+            pressure, force = path.until.pressure, path.until.force
+            if pressure is not None and pressure * extreme.pressure_MPa > 0:
+                return limit_pressure_exceeded(extreme.pressure_MPa)
+            if force is not None and force * extreme.force_uN > 0:
+                return limit_force_exceeded(extreme.force_uN)
         if path.control == "pressure":
             # Steps become ever shorter towards a limit point, which is not far ahead then.
             sought = path.until.pressure or _AHEAD * rows[-1].pressure_MPa

@@ -247,7 +247,7 @@ class Equilibrium:
         return float(self._f.dot(self._x))
 
     def _reason(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> int:
-        """Return why to stop, 0 to continue: PETSc's own test, and whether the residual stagnates."""
+        """Return why to stop, or 0: PETSc's own test, and whether the residual stagnates."""
         norm, before = norms[2], self._norms
         if iteration == 0:
             before.clear()
