@@ -25,7 +25,7 @@ from .initial_guess import inflate_flat_membrane
 from .residual import Equations, use_lu
 
 _MOST_ITERATIONS = 40
-_WINDOW, _FALL = 8, 0.5  # iterations in which the residual must fall by this factor
+_WINDOW, _FALL = 8, 0.7  # iterations in which the residual must fall by this factor
 _MOST_GROWTH = 1e4  # of the residual over that of the guess
 _LONGEST = 1e99  # step in µm; by default PETSc shortens those of more than 1e8
 _SIMILAR_STAGES = 0.1  # relative difference of stages that may share a tangent

@@ -1,5 +1,7 @@
 """A run that fails or is interrupted keeps what it has computed."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import ufl
@@ -128,3 +130,13 @@ def test_an_exception_of_an_observer_is_raised(scene: Scene) -> None:
     with pytest.raises(ZeroDivisionError, match="mine"):
         simulate(scene, observer=listener)
     assert len(listener.rows) == 3  # it is not called again
+
+
+@pytest.mark.slow
+def test_steps_without_a_solution_cost_few_iterations():
+    """Ten stages stagnate; with all 40 iterations each they took 700 of 1669."""
+    scene = Scene.load(Path(__file__).parents[2] / "demos" / "scenes" / "bud.toml")
+    numerics = {"preset": "default", "thickness_points": 19, "thickness_rule": "clustered"}
+    result = simulate(scene.with_values({"numerics": {**numerics, "tolerance": 1e-4}}))
+    assert result.status == "finished"
+    assert result.newton_iterations < 1100
