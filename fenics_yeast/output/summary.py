@@ -111,15 +111,15 @@ def _error_bars(content: dict[str, Any]) -> ErrorBars:
 
 
 def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
     import dolfinx
     from petsc4py import PETSc
 
-    from .. import __version__
-
     return {
-        "fenics_yeast": __version__,
-        "dolfinx": dolfinx.__version__,
+        "fenics_yeast": version("fenics-yeast"),
+        "dolfinx": dolfinx.version("fenics-yeast"),
         "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
         "python": platform.python_version(),
-        "numpy": np.__version__,
+        "numpy": np.version("fenics-yeast"),
     }

@@ -14,10 +14,10 @@ from support.imports import (
 )
 
 ROOT = Path(__file__).parents[2] / "fenics_yeast"
-# Each imports only from those before it; "" is the package itself, with its four public names.
+# Each imports only from those before it; "" is the package itself, with its public names.
 ORDER = (
-    "geometry", "scene", "_form_cache", "_mpi", "_dolfinx", "mechanics", "solve", "simulation", "",
-    "output", "figures", "studies", "command", "__main__",
+    "geometry", "scene", "_form_cache", "_mpi", "_dolfinx", "mechanics", "solve", "simulation",
+    "output", "figures", "studies", "", "command", "__main__",
 )  # fmt: skip
 # What a room must not know although it comes before.
 APART = {

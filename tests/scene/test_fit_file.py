@@ -51,8 +51,6 @@ def test_a_fit_starts_from_the_values_of_its_scene(folder: Path) -> None:
 def test_limits_have_units(folder: Path) -> None:
     limits = '[vary."growth.time"]\nfrom = "0.5 h"\nto = "3600 s"\nstart = 40\n'
     table = limits + '[vary."growth.threshold"]'
-        '[vary."growth.time"]\nfrom = "0.5 h"\nto = "3600 s"\nstart = 40\n[vary."growth.threshold"]'
-    )
     (time, threshold) = load(folder, 'vary = ["growth.threshold", "growth.time"]', table).varied
     assert (time.low, time.start, time.high) == (30, 40, 60)
     assert threshold.low < threshold.start == 1 < threshold.high
