@@ -118,8 +118,8 @@ def _versions() -> dict[str, str]:
 
     return {
         "fenics_yeast": version("fenics-yeast"),
-        "dolfinx": dolfinx.version("fenics-yeast"),
+        "dolfinx": dolfinx.__version__,
         "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
         "python": platform.python_version(),
-        "numpy": np.version("fenics-yeast"),
+        "numpy": np.__version__,
     }
