@@ -41,8 +41,6 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help and usage errors, which need no rich
     pretty_exceptions_enable=False,
 )
-
-
 add_fits(app)
 
 
