@@ -34,7 +34,7 @@ class FittedCurve:
         As in `MeasuredCurve`.
     time_min, measured, errors, model, residuals
         Values at the measured times: measured ones with their standard deviations, those of the
-        run, and standardised residuals, (model - measured) / error.
+        run, and standardised residuals, (measured - model) / error.
     fine_min, fine, band
         Times between, the run there, and half of its interval of 95 %.
     """

@@ -212,7 +212,7 @@ def _curves(model: FitModel, best: Evaluation, C: Array) -> tuple[FittedCurve, .
         found.append(
             FittedCurve(
                 curve.name, curve.quantity, np.asarray(curve.time_min, dtype=float), measured,
-                errors, point.values, (point.values - measured) / errors, times, line.values, band,
+                errors, point.values, (measured - point.values) / errors, times, line.values, band,
             )
         )  # fmt: skip
     return tuple(found)
