@@ -25,14 +25,7 @@ class FirstCompilation(Exception):
 
 
 class Planned:
-    """Stands for a form or an expression that is still to be compiled."""
-
-    value_size = 0
-    _cpp_object = None
-
-    def X(self) -> tuple[()]:
-        """Return no points."""
-        return ()
+    """Stands for a form or an expression that is still to be compiled; its values are 0."""
 
 
 @dataclass

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support import ranks
 from support.command import MAIN
 from support.scenes import BALLOON
 
@@ -29,7 +30,7 @@ ANSWER = ("12.0\n", "")
 
 def start(cache: Path | str, code: str = CODE, **more: str) -> subprocess.Popen[str]:
     pipe = subprocess.PIPE
-    environment = os.environ | {"XDG_CACHE_HOME": str(cache)} | more
+    environment = ranks.environment() | {"XDG_CACHE_HOME": str(cache)} | more
     command = [sys.executable, "-c", code]
     return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=environment)
 
@@ -108,6 +109,9 @@ def test_simultaneous_processes_compile_once(tmp_path: Path) -> None:
     assert not list(tmp_path.glob("fenics-yeast/*/*.failed"))
 
 
+# Newton step and rate of growth, resultants through growth (two), residual, tangent, volume,
+# its gradient, consistent tangent, stage force, dissipation; fields of profiles.
+MODULES = 12
 GROWTH = """
 import ufl
 from fenics_yeast import Scene, simulate
@@ -134,6 +138,39 @@ def test_forms_of_a_growing_wall_are_compiled_once(tmp_path: Path) -> None:
         assert start(tmp_path, code).communicate() == ("", "")
         compiled.append(sorted(tmp_path.glob("fenics-yeast/*/*.so")))
     assert len(compiled[0]) > 5 and compiled[0] == compiled[1]
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_forms_compiled_at_once_are_those_compiled_one_by_one(tmp_path: Path) -> None:
+    """Dolfinx 0.5 compiles the elements of spaces too; other modules are forms and expressions."""
+    code = GROWTH.replace("range(2)", "range(1)")
+    names = []
+    for cores in (2, 1):
+        before = f"import os; os.sched_getaffinity = lambda _: set(range({cores}))\n"
+        cache = tmp_path / str(cores)
+        cache.mkdir()
+        assert start(cache, before + code).communicate() == ("", "")
+        assert not unfinished(cache)
+        names.append({path.name for path in cache.glob("fenics-yeast/*/*.so")})
+    assert names[0] == names[1]
+    assert len([name for name in names[0] if "elements" not in name]) == MODULES
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_an_interrupted_compilation_leaves_no_process_and_no_harm(tmp_path: Path) -> None:
+    before = "import os; os.sched_getaffinity = lambda _: {0, 1}\n"
+    process = start(tmp_path, before + GROWTH)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    while len(workers := children.read_text().split()) < 2:
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    assert "KeyboardInterrupt" in process.communicate(timeout=20)[1]
+    assert not any(Path(f"/proc/{worker}").exists() for worker in workers)
+    assert start(tmp_path, GROWTH).communicate() == ("", "")
+    assert not unfinished(tmp_path)
 
 
 @pytest.mark.process
