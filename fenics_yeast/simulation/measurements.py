@@ -121,6 +121,11 @@ class Measurements:
         largest = float((radius * np.sqrt(resultant)).max(initial=0.0))
         return float(shell.comm.allreduce(largest, op=dx.MPI.MAX))
 
+    def strain(self) -> Array:
+        """Return total strains, meridional and hoop, at the points of this rank,
+        shape ``(points, n, 2)``."""
+        return self._fields().reshape(len(self._S_points), -1, 3, 2)[:, :, 0]
+
     def elastic_strain(self) -> Array:
         """Return elastic strains, meridional and hoop, at the points of this rank,
         shape ``(points, n, 2)``."""

@@ -163,7 +163,7 @@ class Recorder:
         """Return the least stretch, in the trial state, of a wall that is folded too sharply."""
         if not self._shell.bending:
             return None
-        return self._least(sharpest_stretch(self.measurements.elastic_strain()))
+        return self._least(sharpest_stretch(self.measurements.strain()))
 
     def least_thickness(self, wall: AnyWall) -> float | None:
         """Return the thickness ratio, in the trial state, of a wall that has thinned away."""

@@ -5,7 +5,7 @@ import numpy as np
 from ..geometry import Array
 from ..scene import LinearWall
 
-_SHARP = 0.05  # elastic stretch of a face; in the theory, a fold of zero radius makes it 0
+_SHARP = 0.05  # stretch of a face; in the theory, a fold of zero radius makes it 0
 _THIN = 0.1  # of the thickness; a little further, nothing is left and the stress is infinite
 
 
@@ -41,15 +41,16 @@ def softest_stretch(wall: LinearWall, strain: Array) -> float | None:
 
 
 def sharpest_stretch(strain: Array) -> float | None:
-    """Return the least elastic stretch of a wall that is folded more sharply than its thickness.
+    """Return the least stretch of a wall that is folded more sharply than its thickness.
 
     Green-Lagrange strains are linear through the thickness, so that they compress one face to
-    nothing where the wall is bent to a radius of the size of its thickness.
+    nothing where the wall is bent to a radius of the size of its thickness. A face that is pressed
+    beyond the threshold also shrinks for good.
 
     Parameters
     ----------
     strain
-        As in `softest_stretch`.
+        Total logarithmic strains, meridional and hoop, shape ``(..., 2)``.
 
     Returns
     -------

@@ -57,7 +57,7 @@ def test_a_fit_from_file_to_figures(folder: Path) -> None:
     rows = list(csv.DictReader((out / "fit.csv").read_text().splitlines()))
     assert [float(row["time_min"]) for row in rows] == [10, 20, 30, 40, 50, 60]
     for row in rows:
-        away = (float(row["model"]) - float(row["measured"])) / float(row["error"])
+        away = (float(row["measured"]) - float(row["model"])) / float(row["error"])
         assert float(row["standardised_residual"]) == pytest.approx(away)
     assert f"growth.time  {time['value']:.5g} (" in done.stdout and "runs in" in done.stdout
 
