@@ -119,14 +119,17 @@ def _compile(sources: list[Any], compile_one: Callable[[Any], object], cores: in
             processes.add(process)
         while processes and time.monotonic() < deadline:
             time.sleep(_LOOK)
-            processes -= {p for p in processes if os.waitpid(p, os.WNOHANG)[0] == p}
+            for process in tuple(processes):
+                if os.waitpid(process, os.WNOHANG)[0] == process:
+                    processes.discard(process)
     finally:
         os.close(numbers)
         for process in processes:  # of an interrupted run, with their C compilers
-            with suppress(ProcessLookupError):
-                os.killpg(process, signal.SIGKILL)
-            os.kill(process, signal.SIGKILL)
-            os.waitpid(process, 0)
+            for kill in (os.killpg, os.kill):
+                with suppress(ProcessLookupError):
+                    kill(process, signal.SIGKILL)
+            with suppress(ChildProcessError):
+                os.waitpid(process, 0)
 
 
 def _work(numbers: int, sources: list[Any], compile_one: Callable[[Any], object]) -> None:

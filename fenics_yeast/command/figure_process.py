@@ -51,12 +51,13 @@ class FigureProcess:
                 pickle.dump((path, scene, result), self._requests)
                 self._requests.flush()
                 failed = failed_figures(path, _surfaces(path, scene, result))
-                return failed or pickle.load(self._answers)
+                answer: str | None = pickle.load(self._answers)
+                return failed or answer
             except (OSError, EOFError, pickle.UnpicklingError):  # it was killed
                 self.__exit__()
-        return failed_figures(path, _surfaces(path, scene, result)) or failed_figures(
-            path, _figures(path, scene, result)
-        )
+        parts = _surfaces(path, scene, result), _figures(path, scene, result)
+        warnings = [failed_figures(path, part) for part in parts]
+        return warnings[0] or warnings[1]
 
     def _start(self) -> None:
         with ExitStack() as stack:

@@ -164,9 +164,10 @@ def sweep(
 ) -> None:
     """Run all combinations of parameter values, or of rows of a table.
 
-    Writes a subdirectory per case, sweep.csv and, for one or two parameters, a figure. Rerun to
-    continue; finished cases are skipped. Under mpirun, ranks share the cases. Exit status: 0 all
-    cases ended (with or without an equilibrium); 4 some failed; 1, 2, 130 as for run.
+    Writes a subdirectory per case, sweep.csv and a figure (none for all combinations of more than
+    two parameters). Rerun to continue; finished cases are skipped. Under mpirun, ranks share the
+    cases. Exit status: 0 all cases ended (with or without an equilibrium); 4 some failed; 1, 2, 130
+    as for run.
     """
     from .sweep import cases_of, sweep_into
 
@@ -217,6 +218,7 @@ def modes(
     from .modes import find_modes, parse_waves
 
     try:
+        from ..simulation import UnloadedShapeError
         from ..solve import EquilibriumError
     except ImportError as error:
         fail(str(error), BROKEN)
@@ -232,6 +234,8 @@ def modes(
         fail(str(error), BROKEN)
     except EquilibriumError as error:
         fail(f"no equilibrium under a very small pressure: {error}", FAILED)
+    except UnloadedShapeError as error:
+        fail(str(error), FAILED)
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     for mode in found:

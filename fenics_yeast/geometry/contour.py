@@ -226,10 +226,11 @@ def _crossing(points: Array) -> int | None:
     """Return the index of a segment that another one, not its neighbour, crosses."""
     a, d = points[:-1], np.diff(points, axis=0)
     z = points[:, 1]
-    # A segment above all before it and below all after it crosses none.
+    # A rising segment above all before it and below all after it crosses none.
     highest = np.append(-np.inf, np.maximum.accumulate(z)[:-2])
     lowest = np.append(np.minimum.accumulate(z[::-1])[-3::-1], np.inf)
-    others = np.flatnonzero((z[:-1] <= highest) | (z[1:] >= lowest))
+    falls = z[1:] <= z[:-1]
+    others = np.flatnonzero(falls | (z[:-1] <= highest) | (z[1:] >= lowest))
     a, d = a[others], d[others]
     for i in range(len(a) - 2):
         b, e = a[i + 2 :], d[i + 2 :]

@@ -112,7 +112,7 @@ def _run_cases(
     left = [case for case in cases if case.name not in rows]
     if screen is not None:
         screen.begun(len(cases), list(rows.values()))
-    ended = _on_ranks(directory, left, comm) if comm else _inprocesses(directory, left, jobs)
+    ended = _on_ranks(directory, left, comm) if comm else _in_processes(directory, left, jobs)
 
     def write() -> list[CaseRow]:
         known = [rows[case.name] for case in cases if case.name in rows]
@@ -239,7 +239,7 @@ def _begin(parent: Connection) -> None:
 # Processes of this machine --------------------------------------------------------------------
 
 
-def _inprocesses(directory: Path, cases: Sequence[Case], jobs: int) -> _Ended:
+def _in_processes(directory: Path, cases: Sequence[Case], jobs: int) -> _Ended:
     """Yield cases as they end. Those running when a process dies are rerun one by one."""
     waiting, suspects = deque(cases), deque[Case]()
     while waiting or suspects:

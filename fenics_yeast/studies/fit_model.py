@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..geometry import Array
 from ..scene import FitProblem, MeasuredCurve, Scene, SceneError
-from ..simulation import History, Result, Sensitivities, interpolate
+from ..simulation import History, Result, Sensitivities, UnloadedShapeError, interpolate
 from .derivatives import simulate_with_derivatives
 
 if TYPE_CHECKING:
@@ -207,7 +207,7 @@ class FitModel:
         return found
 
     def _results(self, x: Array) -> list[Result]:
-        """Return the result of each experiment; None stands in the places of repeated ones."""
+        """Return the result of the experiment of each curve; curves of one share theirs."""
         if (kept := self._kept.get(x.tobytes())) is not None:
             return kept
         curves, offsets = self.problem.curves, self.unknowns.offsets(x)
@@ -218,7 +218,10 @@ class FitModel:
             end = max(curves[i].time_min[-1] - offsets[i] for i in shared)
             scene = _until(self.problem.scene, end).with_values({**curves[number].set, **values})
             self.runs += 1
-            done[number] = simulate_with_derivatives(scene, self._keys, shells=self._shells)
+            try:
+                done[number] = simulate_with_derivatives(scene, self._keys, shells=self._shells)
+            except UnloadedShapeError as error:  # of these values, as if they were not valid
+                raise SceneError(str(error)) from None
             if done[number].status == "interrupted":
                 raise KeyboardInterrupt
         results = [done[number] for number in self._experiment]

@@ -67,8 +67,8 @@ class FitResult:
     Attributes
     ----------
     parameters
-        The varied numbers, then free offsets. Intervals are normal ones of 95 %, of logarithms
-        (of offsets: of their values), for the given noise.
+        The varied numbers, then free offsets. By default, intervals are normal ones of 95 %, of
+        logarithms (of offsets: of their values), for the given noise.
     correlation
         Correlations of the estimates, in their order.
     chi2, degrees_of_freedom

@@ -42,10 +42,12 @@ class Team:
         with processes(min(self._jobs, len(tasks))) as pool:
             futures = {submit(pool, _work, task): i for i, task in enumerate(tasks)}
             for future in as_completed(futures):
-                found[futures[future]], tried = future.result()
-                self.runs += found[futures[future]].runs
-                for evaluation in tried:
-                    self._model.report(evaluation)
+                i = futures[future]
+                found[i], tried = future.result()
+                self.runs += found[i].runs
+                if tasks[i].problem is self._model.problem:  # not of made data
+                    for evaluation in tried:
+                        self._model.report(evaluation)
         return [found[i] for i in range(len(tasks))]
 
     def _alone(self, task: Task) -> Solution:

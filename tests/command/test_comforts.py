@@ -42,7 +42,7 @@ def test_optional_settings_of_the_example_are_valid() -> None:
         line for i, line in enumerate(lines) if " = " not in line or kept[line.split(" = ")[0]] == i
     )
     scene = Scene.from_toml(text)
-    assert scene.numerics.preset == "paper" and scene.numerics.thickness_points == 6
+    assert scene.numerics.preset == "paper" and scene.numerics.thickness_points == 9
     assert scene.turgor.pressure != Scene.from_toml(example).turgor.pressure
 
 

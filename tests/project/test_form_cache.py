@@ -160,7 +160,9 @@ def test_forms_compiled_at_once_are_those_compiled_one_by_one(tmp_path: Path) ->
 @pytest.mark.slow
 @pytest.mark.process
 def test_an_interrupted_compilation_leaves_no_process_and_no_harm(tmp_path: Path) -> None:
-    before = "import os; os.sched_getaffinity = lambda _: {0, 1}\n"
+    before = "import os, signal; os.sched_getaffinity = lambda _: {0, 1}\n"
+    # Jobs in the background of a script ignore it.
+    before += "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
     process = start(tmp_path, before + GROWTH)
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
     while len(workers := children.read_text().split()) < 2:
