@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# Set by mpirun, srun and others for each rank.
+# Set by mpirun, srun and others for each rank, and in a batch script: only settings depend on it.
 _RANKS = ("OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID")
 ALONE = not any(name in os.environ for name in _RANKS)
 # For Open MPI: no daemon that could add ranks, and only the process itself to talk to. Its search

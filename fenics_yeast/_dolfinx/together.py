@@ -78,7 +78,7 @@ def together(make: Callable[[], T], compile_one: Callable[[Any, Path], object], 
     comm
         Communicator of the forms.
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+    cores = len(os.sched_getaffinity(0))
     if comm.size > 1 or not ALONE or cores == 1 or _purpose.get() is not None:
         return make()
     with suppress(FirstCompilation), _purpose_of(True):

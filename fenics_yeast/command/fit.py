@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,7 +22,7 @@ from .exits import (
     terminated_as_interrupted,
 )
 from .fit_terminal import FitLine, FitLines, print_estimates
-from .options import Quiet
+from .options import Jobs, Quiet
 from .terminal import print_line
 
 if TYPE_CHECKING:
@@ -44,13 +46,7 @@ def fit(
     bootstrap: Annotated[
         int, typer.Option(metavar="N", min=0, help="Also fit N made data sets (default: 0).")
     ] = 0,
-    jobs: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="Number of worker processes (default: available cores).",
-            show_default=False,
-        ),
-    ] = None,
+    jobs: Jobs = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Start from the best values of runs.csv, if any.")
     ] = False,
@@ -62,23 +58,22 @@ def fit(
     missing; 2 invalid input; 4 no fit found; 130 interrupted.
     """
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # threads would compete with processes
-    from ..output import DolfinxMissing, FolderLock, OutputError, writing
-    from ..studies import (
-        NoFit,
-        RunsTable,
-        Unknowns,
-        draw_fit,
-        fit_problem,
-        read_best,
-        read_runs,
-        write_fit,
-    )
-
     problem = _load(fit_file)
     directory = Path("out", problem.name) if out is None else out
     jobs = jobs or len(os.sched_getaffinity(0))
     screen = None if quiet else (FitLine if on_terminal() else FitLines)(problem)
-    try:
+    with _named("interrupted; rerun with --resume to continue"):
+        from ..output import FolderLock, writing
+        from ..studies import (
+            RunsTable,
+            Unknowns,
+            draw_fit,
+            fit_problem,
+            read_best,
+            read_runs,
+            write_fit,
+        )
+
         with writing(directory):
             directory.mkdir(parents=True, exist_ok=True)
             lock = FolderLock(directory)
@@ -103,14 +98,6 @@ def fit(
             write_fit(directory, result)
             with writing(directory):
                 drawn = draw_fit(directory, result)
-    except (SceneError, OutputError) as error:
-        fail(str(error), BAD_INPUT)
-    except NoFit as error:
-        fail(str(error), FAILED)
-    except (DolfinxMissing, ImportError) as error:
-        fail(str(error), BROKEN)
-    except KeyboardInterrupt:
-        fail("interrupted; rerun with --resume to continue", INTERRUPTED)
     if not quiet:
         print_estimates(result)
         print_line(f"{result.runs} runs in {result.seconds:.0f} s; see {directory}, {drawn[0]}")
@@ -123,21 +110,30 @@ def design(fit_file: FitFile) -> None:
     Exit status: 0 shown; 1 dolfinx or C compiler missing; 2 invalid input; 4 a run ends early.
     """
     problem = _load(fit_file)
-    from ..output import DolfinxMissing
-    from ..studies import NoFit, expected
+    with _named("interrupted"):
+        from ..studies import expected
+
+        result = expected(problem)
+    print_line("expected intervals (95 %) at the first values:")
+    print_estimates(result, judged=False)
+
+
+@contextmanager
+def _named(interrupted: str) -> Iterator[None]:
+    """End the command with the message and exit status of what goes wrong here."""
+    from ..output import DolfinxMissing, OutputError
+    from ..studies import NoFit
 
     try:
-        result = expected(problem)
-    except SceneError as error:
+        yield
+    except (SceneError, OutputError) as error:
         fail(str(error), BAD_INPUT)
     except NoFit as error:
         fail(str(error), FAILED)
     except (DolfinxMissing, ImportError) as error:
         fail(str(error), BROKEN)
     except KeyboardInterrupt:
-        fail("interrupted", INTERRUPTED)
-    print_line("expected intervals (95 %) at the first values:")
-    print_estimates(result, judged=False)
+        fail(interrupted, INTERRUPTED)
 
 
 def _load(fit_file: Path) -> FitProblem:

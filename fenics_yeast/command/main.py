@@ -28,7 +28,7 @@ from .exits import (
     terminated_as_interrupted,
 )
 from .fit import add_fits
-from .options import Assignments, PairedValues, Quiet, SceneFile, Variations
+from .options import Assignments, Jobs, PairedValues, Quiet, SceneFile, Variations
 
 if TYPE_CHECKING:
     from ..simulation import Result
@@ -151,15 +151,7 @@ def sweep(
             show_default=False,
         ),
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            help="Number of worker processes (default: available cores).",
-            show_default=False,
-        ),
-    ] = None,
+    jobs: Jobs = None,
     quiet: Quiet = False,
 ) -> None:
     """Run all combinations of parameter values, or of rows of a table.

@@ -40,4 +40,13 @@ PairedValues = Annotated[
         help="Values that belong together: a column per scene key, a row per case; repeatable.",
     ),
 ]
+Jobs = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        min=1,
+        help="Number of worker processes (default: available cores).",
+        show_default=False,
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]

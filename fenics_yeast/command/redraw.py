@@ -12,7 +12,7 @@ from ..output import (
     read_scene,
     read_summary,
 )
-from ..studies import TABLE, draw_sweep, read_table
+from ..studies import TABLE, draw_sweep, is_combined, read_table
 from .exits import on_terminal
 
 
@@ -76,6 +76,6 @@ def nothing_drawn(directory: Path) -> str:
     if not (directory / TABLE).exists():
         return "nothing to plot yet; wait for the first saved time"
     keys, rows = read_table(directory)
-    if len(keys) > 2 and rows:
+    if len(keys) > 2 and is_combined(rows):
         return f"a sweep over more than two parameters has no figure; see {TABLE}"
     return "nothing to plot yet; wait for the first case to end"

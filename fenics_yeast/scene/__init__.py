@@ -10,12 +10,13 @@ from .growth import Growth, Polarity
 from .keys import fields_of, flatten, keys_of, parse_assignment, parse_value, unit_symbol, value_of
 from .loads import Load, PressureTable, Septum, Turgor
 from .measured_curve import MeasuredCurve
-from .measured_outline import MeasuredOutlines, Outline, read_outlines
+from .measured_outline import MeasuredOutlines, Outline
 from .numerics import PRESETS, Geometry, Grading, Integrator, Numerics, Preset
 from .precision import SHARES, Meridian, estimate_errors
 from .profile_cell import ProfileCell
 from .run import Control, Run, StaticPath, Until
 from .scene import Scene
+from .text_file import read_text
 from .units import Unit
 from .unloaded import Unloaded
 from .wall import AnyWall, LinearWall, OgdenWall, Wall, WallZone
@@ -27,5 +28,5 @@ __all__ = [
     "Numerics", "OgdenWall", "Outline", "Polarity", "Preset", "PressureTable", "ProfileCell", "Run",
     "Scene", "SceneError", "Septum", "StaticPath", "Turgor", "Unit", "Unloaded", "Until", "Varied",
     "Wall", "WallZone", "Zone", "estimate_errors", "fields_of", "flatten", "keys_of",
-    "parse_assignment", "parse_value", "read_outlines", "unit_symbol", "value_of", "value_text",
+    "parse_assignment", "parse_value", "read_text", "unit_symbol", "value_of", "value_text",
 ]  # fmt: skip

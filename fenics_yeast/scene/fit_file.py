@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +17,7 @@ from .keys import flatten, unit_symbol, value_of
 from .measured_curve import MeasuredCurve
 from .scene import Scene
 from .table import ListOf, Table
+from .text_file import parse_toml, read_text
 from .units import TIME
 
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
@@ -164,7 +164,7 @@ class FitProblem:
             If the file, its scene or a curve cannot be read or is not valid.
         """
         path = Path(path)
-        tables = _tables(path)
+        tables = parse_toml(read_text(path, "a fit file"), str(path))
         vary = tables.get("vary")
         if isinstance(vary, list) and all(isinstance(key, str) for key in vary):
             if len(set(vary)) < len(vary):
@@ -192,17 +192,6 @@ class FitProblem:
             )
         except SceneError as error:
             raise SceneError(f"{path}: {error}") from None
-
-
-def _tables(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise SceneError(f"{path}: not UTF-8; save the file as UTF-8") from None
-    except (ValueError, RecursionError) as error:
-        raise SceneError(f"{path}: not TOML: {error}") from None
 
 
 def _known(scene: Scene, key: str, where: str) -> object:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 from .errors import SceneError, value_text
+from .text_file import read_text
 
 # Columns of a file, and those of the history that they are compared with.
 COLUMNS = {
@@ -22,7 +23,6 @@ COLUMNS = {
     "radius_um": "bud_radius_um",
 }
 _TIME, _ERROR, _BUD = "time_min", "error", "bud_volume_um3"
-_LARGEST_FILE = 10_000_000  # bytes
 _LARGEST_NOISE = 1.0
 
 
@@ -130,16 +130,7 @@ def _problem(curve: MeasuredCurve) -> str:
 
 def _read(path: Path) -> tuple[str, dict[str, list[float]]]:
     """Return the measured quantity of a file, and its columns of numbers."""
-    try:
-        with open(path, "rb") as file:
-            content = file.read(_LARGEST_FILE + 1)
-        text = content.decode("utf-8-sig")
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise SceneError(f"{path}: not UTF-8; save the table as CSV in UTF-8") from None
-    if len(content) > _LARGEST_FILE:
-        raise SceneError(f"{path}: larger than 10 MB; expected a table of measured values")
+    text = read_text(path, "a table of measured values")
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     header = [name.strip() for name in lines[0].split(",")] if lines else []
     quantity = _quantity(path, header)

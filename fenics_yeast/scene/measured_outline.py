@@ -88,15 +88,27 @@ class MeasuredOutlines:
         offset: float = 0.0,
         set: Mapping[str, object] | None = None,
     ) -> MeasuredOutlines:
-        """Read outlines from a file or many; see `read_outlines` and the attributes.
+        """Read outlines from a file or many.
+
+        Parameters
+        ----------
+        pattern
+            A file with the columns ``r`` and ``z`` as for a cell (see `geometry.read_contour`), and
+            perhaps ``time``; or a pattern of many, such as ``"frames/*.csv"``.
+        times
+            Time in min of each file, in the order of their names with numbers in order of size. By
+            default they are in a column, or in the names: ``cell_30min.csv``.
+        scale
+            Length in µm of a unit of the columns, such as a pixel; by default they are in µm.
+        noise, offset, set
+            See the attributes.
 
         Raises
         ------
         SceneError
-            If they cannot be read, or do not belong to a run.
+            If there is no such file, one cannot be read, a time is missing or before the run.
         """
-        outlines = read_outlines(pattern, times=times, scale=scale)
-        return cls(outlines, noise, offset, set or {})
+        return cls(_outlines(Path(pattern), times, scale), noise, offset, set or {})
 
     @property
     def times(self) -> tuple[float, ...]:
@@ -104,31 +116,11 @@ class MeasuredOutlines:
         return tuple(dict.fromkeys(outline.time - self.offset for outline in self.outlines))
 
 
-def read_outlines(
-    pattern: str | Path,
-    *,
-    times: Sequence[float] | None = None,
-    scale: float | None = None,
+def _outlines(
+    pattern: Path, times: Sequence[float] | None, scale: float | None
 ) -> tuple[Outline, ...]:
-    """Read measured outlines, in order of time.
-
-    Parameters
-    ----------
-    pattern
-        A file with the columns ``r`` and ``z`` as for a cell (see `geometry.read_contour`), and
-        perhaps ``time``; or a pattern of many, such as ``"frames/*.csv"``.
-    times
-        Time in min of each file, in the order of their names with numbers in order of size. By
-        default they are in a column, or in the names: ``cell_30min.csv``.
-    scale
-        Length in µm of a unit of the columns, such as a pixel; by default they are in µm.
-
-    Raises
-    ------
-    SceneError
-        If there is no such file, one cannot be read, or a time is missing.
-    """
-    files = _files(Path(pattern))
+    """Return the outlines of a file or many, in order of time."""
+    files = _files(pattern)
     if times is not None and len(times) != len(files):
         raise SceneError(
             f"{pattern}: {len(files)} files, but {len(times)} times; give one for each"

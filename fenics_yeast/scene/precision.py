@@ -31,8 +31,7 @@ SHARES = Shares()
 
 _FEWEST_ELEMENTS = 10
 _SMOOTH_POINTS = 3  # integration points, exact for what varies smoothly through the wall
-_MOST_CLUSTERED = 20  # more would take minutes to compile
-_MOST_POINTS = 16  # of Gauss, of a smaller tolerance, which then is not reached
+_MOST_POINTS = {"gauss": 16, "clustered": 20}  # more would take minutes to compile
 _FAINT = 0.05  # weight of growth too small for a kink
 # Error times n², by a kink where stress crosses the threshold within the wall.
 _BY_POINTS = {"gauss": 0.062, "clustered": 0.026}
@@ -105,15 +104,11 @@ def choose_numerics(numerics: Numerics, meridian: Meridian) -> Numerics:
     if meridian.sharp and given.isdisjoint(("thickness_points", "thickness_rule")):
         rule = "clustered"
     points = ceil((_BY_POINTS[rule] / (SHARES.thickness_points * tolerance)) ** 0.5)
-    most = _MOST_POINTS
-    if rule == "clustered":
-        most = _MOST_CLUSTERED
-        if points > most and "thickness_rule" not in given:
-            # Points very close to a face see the singularity at a sharp edge of growth.
-            rule, most = "gauss", _MOST_POINTS
+    if points > _MOST_POINTS[rule] and "thickness_rule" not in given:
+        rule = "gauss"  # points very close to a face see the singularity at a sharp edge
     chosen: dict[str, object] = {
         "elements": _mesh(numerics, meridian).elements_for(SHARES.mesh * tolerance),
-        "thickness_points": min(most, max(_SMOOTH_POINTS, points * meridian.sharp)),
+        "thickness_points": min(_MOST_POINTS[rule], max(_SMOOTH_POINTS, points * meridian.sharp)),
         "thickness_rule": rule,
         "shear_penalty": max(numerics.shear_penalty, penalty),
     }

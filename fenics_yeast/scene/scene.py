@@ -6,7 +6,6 @@ when read. Every error is a `SceneError` of one line.
 """
 
 import re
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -25,9 +24,8 @@ from .numerics import Numerics
 from .precision import Meridian, choose_numerics
 from .run import Run, StaticPath
 from .table import Table
+from .text_file import parse_toml, read_text
 from .wall import AnyWall
-
-_LARGEST_FILE = 10_000_000  # bytes
 
 
 class Scene(Table):
@@ -131,24 +129,8 @@ class Scene(Table):
         SceneError
             If the file cannot be read or does not contain a valid scene.
         """
-        source = str(path)
-        try:
-            with open(path, "rb") as file:
-                content = file.read(_LARGEST_FILE + 1)
-            text = content.decode("utf-8-sig")
-        except FileNotFoundError:
-            raise SceneError(
-                f"{source}: no such file; to create a scene, run: fenics-yeast new {source}"
-            ) from None
-        except UnicodeDecodeError as error:
-            at = f"byte {error.start + 1}"
-            raise SceneError(f"{source}: not UTF-8 at {at}; save the file as UTF-8") from None
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
-            raise SceneError(f"{source}: cannot be read: {reason}") from None
-        if len(content) > _LARGEST_FILE:
-            raise SceneError(f"{source}: larger than 10 MB; expected a scene file")
-        scene = cls.from_toml(text, source=source)
+        missing = f"no such file; to create a scene, run: fenics-yeast new {path}"
+        scene = cls.from_toml(read_text(path, "a scene file", missing), source=str(path))
         scene._stem = Path(path).stem
         return scene
 
@@ -168,13 +150,7 @@ class Scene(Table):
         SceneError
             If the string is not TOML or not a valid scene.
         """
-        try:
-            tables = tomllib.loads(text)
-        except ValueError as error:
-            raise SceneError(f"{source}: not TOML: {error}") from None
-        except RecursionError:
-            raise SceneError(f"{source}: brackets are nested too deeply") from None
-        return cls._from_tables(tables, source)
+        return cls._from_tables(parse_toml(text, source), source)
 
     @classmethod
     def _from_tables(cls, tables: dict[str, Any], source: str) -> Self:

@@ -20,8 +20,7 @@ class Unloaded(Table):
     r: ListOf[Length] = Field(description="distances of their unloaded places from the axis (µm)")
     z: ListOf[Length] = Field(description="heights of their unloaded places (µm)")
     residual_distance: Length = Field(
-        ge=0,
-        description="largest distance of the inflated shape from the outline (µm)",
+        ge=0, description="largest distance of the inflated shape from the outline (µm)"
     )
     inputs: str = Field(description="digest of what it depends on: if that changes, it is replaced")
 

@@ -12,6 +12,27 @@ _DEGREE = 3
 _SAME = 1e-12  # relative difference of equal times
 
 
+def times_within(time: Array, at: ArrayLike) -> Array:
+    """Return times in min at which accepted steps can be interpolated, shape ``(times,)``.
+
+    Raises
+    ------
+    ValueError
+        If there are no steps in time, or a time lies outside of them.
+    """
+    wanted = np.atleast_1d(np.asarray(at, dtype=float))
+    if len(time) < 2 or time[-1] <= time[0]:
+        raise ValueError("no steps in time to interpolate between")
+    first, last = float(time[0]), float(time[-1])
+    near = _SAME * max(1.0, last)
+    outside = wanted[~((wanted >= first - near) & (wanted <= last + near))]
+    if len(outside):
+        raise ValueError(
+            f"{outside[0]:g} min lies outside the run, which goes from {first:g} to {last:g} min"
+        )
+    return wanted
+
+
 def interpolate(time: Array, values: Array, kinks: Sequence[float], at: ArrayLike) -> Array:
     """Interpolate values of accepted steps by a cubic spline between each two kinks.
 
@@ -39,18 +60,10 @@ def interpolate(time: Array, values: Array, kinks: Sequence[float], at: ArrayLik
     """
     from scipy.interpolate import BarycentricInterpolator, make_interp_spline
 
-    wanted = np.atleast_1d(np.asarray(at, dtype=float))
+    wanted = times_within(time, at)
     later = np.diff(time, prepend=-np.inf) > _SAME * np.abs(time)
     time, values = time[later], values[later]
-    if len(time) < 2:
-        raise ValueError("no steps in time to interpolate between")
     first, last = float(time[0]), float(time[-1])
-    near = _SAME * max(1.0, last)
-    outside = wanted[~((wanted >= first - near) & (wanted <= last + near))]
-    if len(outside):
-        raise ValueError(
-            f"{outside[0]:g} min lies outside the run, which goes from {first:g} to {last:g} min"
-        )
     inside = [int(np.abs(time - kink).argmin()) for kink in kinks if first < kink < last]
     ends = sorted({0, *inside, len(time) - 1})
     found = np.empty((len(wanted), *values.shape[1:]))

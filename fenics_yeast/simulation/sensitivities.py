@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..geometry import Array
 from . import tables
 from .history import History
-from .interpolation import interpolate
+from .interpolation import interpolate, times_within
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class Sensitivities:
         ValueError
             If the column has no derivatives, or a time lies outside the run.
         """
-        values, wanted = self.of(column), np.atleast_1d(np.asarray(times, dtype=float))
+        values, wanted = self.of(column), times_within(self.time_min, times)
         known = np.isfinite(values).all(axis=1)
         if known.all():
             return interpolate(self.time_min, values, self.kinks, wanted)

@@ -41,21 +41,11 @@ def softest_stretch(wall: LinearWall, strain: Array) -> float | None:
 
 
 def sharpest_stretch(strain: Array) -> float | None:
-    """Return the least stretch of a wall that is folded more sharply than its thickness.
+    """Return the least stretch of a wall that is folded more sharply than its thickness, or None.
 
-    Green-Lagrange strains are linear through the thickness, so that they compress one face to
-    nothing where the wall is bent to a radius of the size of its thickness. A face that is pressed
-    beyond the threshold also shrinks for good.
-
-    Parameters
-    ----------
-    strain
-        Total logarithmic strains, meridional and hoop, shape ``(..., 2)``.
-
-    Returns
-    -------
-    float or None
-        The stretch; None if it is above 0.05 everywhere.
+    Of total logarithmic strains, shape ``(..., 2)``. Green-Lagrange strains are linear through the
+    thickness, so that they compress one face to nothing where the wall is bent to a radius of the
+    size of its thickness. A face that is pressed beyond the threshold also shrinks for good.
     """
     if not strain.size:
         return None

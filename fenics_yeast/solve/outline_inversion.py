@@ -44,14 +44,11 @@ class InverseShape(NamedTuple):
         Parameters of the outline, shape ``(n,)``, and `(u_r, u_z)` in µm there, ``(n, 2)``.
     distance
         Largest distance of the equilibrium from the outline in µm.
-    equilibria
-        Number of equilibria that were computed.
     """
 
     t: Array
     displacement: Array
     distance: float
-    equilibria: int
 
 
 class InversionError(RuntimeError):
@@ -124,7 +121,7 @@ class OutlineInversion:
             found.append((part, displacement))
             if self._equilibria - before < _QUICK:
                 step *= _LONGER
-        return InverseShape(self._t, found[-1][1], self._distance, self._equilibria)
+        return InverseShape(self._t, found[-1][1], self._distance)
 
     def _fixed_point(
         self, guess: Array, pressure: float, enough: float, last: bool

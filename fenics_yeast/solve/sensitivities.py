@@ -112,6 +112,7 @@ class ForwardSensitivities:
         if by_pressure is None:
             self._by_pressure, self._sign = shell.forms.volume_gradient, -1.0
         self._stages: list[_Stage] = []
+        self._lost = False
         self.w = np.zeros((len(directions), len(shell.w.x.array)))
         self._eps_g = np.zeros((points, len(directions), 2 * len(shell.eps)))
 
@@ -140,7 +141,8 @@ class ForwardSensitivities:
     def accepted(self, start: StepperState, duration: float) -> None:
         """Differentiate the trial step, of a duration in min, from the state at its start."""
         stages, self._stages = self._stages, []
-        if not stages:
+        if not stages or self._lost:  # growth without stages is not known, nor what follows it
+            self._lost = self._shell.growth is not None
             self.w = np.full_like(self.w, np.nan)
             return
         shell, changes = self._shell, []  # of the growth strains by each stage's rate in the step

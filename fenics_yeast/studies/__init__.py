@@ -13,7 +13,7 @@ from .table import TABLE, CaseRow, read_table
 if TYPE_CHECKING:
     from .derivatives import differences, simulate_with_derivatives
     from .error_bars import estimate_error_bars
-    from .figure import draw_sweep
+    from .figure import draw_sweep, is_combined
     from .fit_figures import draw_fit
     from .fit_files import RunsTable, read_best, read_runs, write_fit
     from .fit_model import Evaluation, Unknowns
@@ -25,7 +25,8 @@ __all__ = [
     "TABLE", "Case", "CaseRow", "Estimate", "Evaluation", "FitResult", "FittedCurve", "NoFit",
     "OutlineResiduals", "Profile", "RunsTable", "Unknowns", "compare_outlines", "differences",
     "distances", "draw_fit", "draw_sweep", "estimate_error_bars", "expected", "fit",
-    "fit_problem", "outline_residuals", "parse_variation", "plan", "read_best", "read_paired",
+    "fit_problem", "is_combined", "outline_residuals", "parse_variation", "plan", "read_best",
+    "read_paired",
     "read_runs", "read_table", "run_sweep", "simulate_with_derivatives", "value_label",
     "write_fit",
 ]  # fmt: skip
@@ -46,6 +47,7 @@ _LATE = {
     "distances": "outlines",
     "draw_fit": "fit_figures",
     "draw_sweep": "figure",
+    "is_combined": "figure",
     "estimate_error_bars": "error_bars",
     "expected": "fitting",
     "fit": "fitting",

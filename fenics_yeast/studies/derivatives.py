@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -48,16 +48,21 @@ def simulate_with_derivatives(
     ------
     SceneError
         If a key is not that of a number, or moves a time at which growth or pressure change.
+    KeyboardInterrupt
+        If a run for differences is interrupted; an interrupted run itself is returned.
     """
     exact = [key for key in keys if has_exact_sensitivity(scene, key)]
     others = [key for key in keys if key not in exact]
-    values = [_value(scene, key) for key in others]
+    for key in others:
+        Sides.of(scene, key)  # which refuses some, before the run
     result = simulate(scene, shells=shells, comm=comm, sensitivities=exact)
+    if result.status == "interrupted":
+        return result
     parts = [] if result.sensitivities is None else [result.sensitivities]
     with ShellPool() as own:
         pool = own if shells is None else shells
-        for key, value in zip(others, values, strict=True):
-            parts.append(_differences(scene, key, value, result.history, pool, comm))
+        for key in others:
+            parts.append(differences(scene, key, result.history, shells=pool, comm=comm))
     return replace(result, sensitivities=Sensitivities.joined(parts, keys)) if parts else result
 
 
@@ -73,33 +78,64 @@ def differences(
     ------
     SceneError
         If the key is not that of a number, or moves a time at which growth or pressure change.
+    KeyboardInterrupt
+        If a run is interrupted.
     """
+    sides = Sides.of(scene, key)
     with ShellPool() as own:
-        pool = own if shells is None else shells
-        return _differences(scene, key, _value(scene, key), history, pool, comm)
-
-
-def _differences(
-    scene: Scene, key: str, value: float, history: History, shells: ShellPool, comm: Any
-) -> Sensitivities:
-    change, run = _CHANGE * (abs(value) or 1.0), Replay.of(scene, history)
-    higher = scene.with_values({key: value + change})
-    if kinks(higher) != kinks(scene) or higher.run != scene.run:
-        raise SceneError(
-            f"{key} moves times at which growth or pressure change; steps cannot be held"
-        )
-    sides = higher, scene.with_values({key: value - change})
-    above, below = (simulate(side, replay=run, shells=shells, comm=comm).history for side in sides)
+        ended = sides.run(Replay.of(scene, history), own if shells is None else shells, comm)
+    above, below = (result.history for result in ended)
     # Both have the rows of the history, up to the first step that one of them cannot take.
     count = min(_shared(history, side) for side in (above, below))
 
     def slope(column: str) -> Any:
         found = np.full((len(history), 1), np.nan)
         difference = getattr(above, column)[:count] - getattr(below, column)[:count]
-        found[:count, 0] = difference / (2 * change)
+        found[:count, 0] = difference / (2 * sides.change)
         return found
 
-    return Sensitivities.of_columns((key,), (value,), history, slope)
+    return Sensitivities.of_columns((key,), (sides.value,), history, slope)
+
+
+class Sides(NamedTuple):
+    """A scene with a number changed up and down by `change`, for central differences."""
+
+    value: float
+    change: float
+    scenes: tuple[Scene, Scene]
+
+    @classmethod
+    def of(cls, scene: Scene, key: str) -> Self:
+        """Return both sides of a scene.
+
+        Raises
+        ------
+        SceneError
+            If a key is not that of a number, or moves a time at which growth or pressure change.
+        """
+        value = _value(scene, key)
+        change = _CHANGE * (abs(value) or 1.0)
+        higher, lower = (scene.with_values({key: value + by}) for by in (change, -change))
+        if kinks(higher) != kinks(scene) or higher.run != scene.run:
+            raise SceneError(
+                f"{key} moves times at which growth or pressure change; steps cannot be held"
+            )
+        return cls(value, change, (higher, lower))
+
+    def run(self, replay: Replay, shells: ShellPool, comm: Any) -> tuple[Result, Result]:
+        """Run both with the steps and the mesh of another run.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            If a run is interrupted.
+        """
+        ended = []
+        for side in self.scenes:
+            ended.append(simulate(side, replay=replay, shells=shells, comm=comm))
+            if ended[-1].status == "interrupted":
+                raise KeyboardInterrupt
+        return ended[0], ended[1]
 
 
 def _shared(history: History, other: History) -> int:

@@ -45,7 +45,7 @@ def draw_sweep(directory: Path, suffix: str = ".png") -> list[Path]:
         If the directory is not that of a sweep, or a file is damaged.
     """
     keys, rows = read_table(directory)
-    combined = len(keys) > 1 and is_combined(rows)
+    combined = is_combined(rows)
     rows = [row for row in rows if row.end_ratio is not None]
     if not rows or (combined and len(keys) > 2):
         return []
@@ -74,9 +74,9 @@ def draw_sweep(directory: Path, suffix: str = ".png") -> list[Path]:
 
 
 def is_combined(rows: Sequence[CaseRow]) -> bool:
-    """Whether cases are all combinations of their parameters' values, not pairs of a table."""
-    values = zip(*(row.values for row in rows), strict=True)
-    return len(rows) > 1 and len(rows) == prod(len(set(column)) for column in values)
+    """Whether cases are all combinations of several parameters' values, not pairs of a table."""
+    counts = [len(set(column)) for column in zip(*(row.values for row in rows), strict=True)]
+    return sum(count > 1 for count in counts) > 1 and len(rows) == prod(counts)
 
 
 def _label(key: str, unit: str) -> str:

@@ -12,9 +12,10 @@ from pathlib import Path
 from ..output import OutputError, replace_file, writing
 from .fit_model import Evaluation, Unknowns
 from .fit_result import Estimate, FitResult
+from .fit_search import cost
 
 RESULT, TABLE, RUNS = "fit.json", "fit.csv", "runs.csv"
-_LAST = ("chi2", "complete", "message")
+_LAST = ("chi2", "cost", "complete", "message")
 
 
 class RunsTable:
@@ -28,7 +29,8 @@ class RunsTable:
         """Add an evaluation, and write the table."""
         values = self._unknowns.values(evaluation.x).tolist()
         complete = str(evaluation.complete).lower()
-        self._rows.append((*values, evaluation.chi2, complete, evaluation.message))
+        sums = evaluation.chi2, cost(evaluation, self._unknowns.problem)
+        self._rows.append((*values, *sums, complete, evaluation.message))
         with writing(self._path.parent):
             _write(self._path, self._rows)
 
@@ -62,10 +64,10 @@ def read_best(directory: Path, unknowns: Unknowns) -> list[float] | None:
         If the table is not that of this fit.
     """
     count = len(unknowns.names)
-    whole = [row for row in read_runs(directory, unknowns) if row[count + 1] == "true"]
+    whole = [row for row in read_runs(directory, unknowns) if row[count + 2] == "true"]
     if not whole:
         return None
-    best = min(whole, key=lambda row: float(row[count]))
+    best = min(whole, key=lambda row: float(row[count + 1]))
     return [float(cell) for cell in best[:count]]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Array
-from ..scene import FitProblem, MeasuredCurve, Scene, SceneError
+from ..scene import FitProblem, MeasuredCurve, SceneError
 from ..simulation import History, Result, Sensitivities, UnloadedShapeError, interpolate
 from .derivatives import simulate_with_derivatives
 
@@ -132,11 +132,6 @@ class FitModel:
         self._experiment = [scenes.index(scene) for scene in scenes]
         self._kept: dict[bytes, list[Result]] = {}
 
-    @property
-    def experiments(self) -> int:
-        """Number of different scenes."""
-        return len(set(self._experiment))
-
     def check(self, x: Array) -> None:
         """Run the scenes, which are kept for the next evaluation.
 
@@ -216,7 +211,8 @@ class FitModel:
         for number in sorted(set(self._experiment)):
             shared = [i for i, other in enumerate(self._experiment) if other == number]
             end = max(curves[i].time_min[-1] - offsets[i] for i in shared)
-            scene = _until(self.problem.scene, end).with_values({**curves[number].set, **values})
+            run = {"run.end": end, "run.save": [end]}
+            scene = self.problem.scene.with_values({**run, **curves[number].set, **values})
             self.runs += 1
             try:
                 done[number] = simulate_with_derivatives(scene, self._keys, shells=self._shells)
@@ -293,11 +289,6 @@ def _steep(
     if excess(low) * excess(high) >= 0:
         return float(time[gentle[-1] + 1])
     return float(brentq(excess, low, high))
-
-
-def _until(scene: Scene, end: float) -> Scene:
-    """Return the scene with its run ending at a time."""
-    return scene.with_values({"run.end": end, "run.save": [end]})
 
 
 def _in_time(history: History, found: Sensitivities | None) -> NDArray[np.intp]:

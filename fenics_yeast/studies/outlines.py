@@ -16,11 +16,11 @@ from ..geometry import (
     curve_through,
     signed_distances,
 )
-from ..scene import MeasuredOutlines, Outline, Scene, value_of
-from ..simulation import Profile, Profiles, Replay, Result, ShellPool, simulate
+from ..scene import MeasuredOutlines, Outline, Scene, SceneError
+from ..simulation import Profile, Profiles, Replay, Result, ShellPool, Status, simulate
+from .derivatives import Sides
 
 _ON_AXIS = 1e-9  # of the largest radius: an end that is a pole
-_CHANGE = 2e-4  # relative, of a parameter, as for other differences
 _RISE = 10.0  # of the distances beyond the end of a run, in radii per time span
 
 
@@ -32,7 +32,8 @@ class OutlineResiduals(NamedTuple):
     residuals
         Positive where the measured cell is larger, shape ``(points,)``.
     jacobian
-        Derivatives per unit of each key in µm, MPa, min and degrees, shape ``(points, keys)``.
+        Derivatives per unit of each key in µm, MPa, min and degrees, shape ``(points, keys)``; not
+        numbers where a run for differences has no state.
     complete
         Whether all runs reached the last outline; beyond their ends, distances increase steeply.
     result
@@ -114,28 +115,34 @@ def compare_outlines(
         Dotted keys of numbers, such as ``growth.threshold``.
     shells
         As in `simulate`; with a pool, further runs of a kind compile nothing.
+
+    Raises
+    ------
+    SceneError
+        If a key has no differences, or the run has no state at all.
+    KeyboardInterrupt
+        If a run is interrupted.
     """
     times = [time for time in measured.times if time > 0] or [1e-9]
     span = {"run.end": times[-1], "run.save": sorted({0.0, *measured.times, times[-1]})}
     scene = scene.with_values({**measured.set, **span})
+    changes = [Sides.of(scene, key) for key in keys]
     with ShellPool() as own:
         pool = own if shells is None else shells
         result = simulate(scene, shells=pool, comm=MPI.COMM_SELF)
+        if result.status == "interrupted":
+            raise KeyboardInterrupt
+        if not len(result.profiles):
+            raise SceneError(f"no equilibrium to compare with: {result.message}")
         run = Replay.of(scene, result.history)
         residuals = outline_residuals(measured, result.profiles)
-        jacobian = np.zeros((len(residuals), len(keys)))
-        statuses = [result.status]
-        for i, key in enumerate(keys):
-            value = float(value_of(scene, key))
-            change = _CHANGE * (abs(value) or 1.0)
-            sides = []
-            for sign in (1, -1):
-                side = scene.with_values({key: value + sign * change})
-                ended = simulate(side, replay=run, shells=pool, comm=MPI.COMM_SELF)
-                statuses.append(ended.status)
-                sides.append(outline_residuals(measured, ended.profiles))
-            jacobian[:, i] = (sides[0] - sides[1]) / (2 * change)
-    if "interrupted" in statuses:
-        raise KeyboardInterrupt
+        jacobian = np.full((len(residuals), len(keys)), np.nan)
+        statuses: list[Status] = [result.status]
+        for i, one in enumerate(changes):
+            ended = one.run(run, pool, MPI.COMM_SELF)
+            statuses += [side.status for side in ended]
+            if all(len(side.profiles) for side in ended):
+                above, below = (outline_residuals(measured, side.profiles) for side in ended)
+                jacobian[:, i] = (above - below) / (2 * one.change)
     complete = all(status == "finished" for status in statuses)
     return OutlineResiduals(residuals, jacobian, complete, result)

@@ -3,7 +3,7 @@
 import csv
 from pathlib import Path
 
-from ..scene import SceneError, parse_value
+from ..scene import SceneError, parse_value, read_text
 from .cases import Variation
 
 _MARKS = ",;\t"  # between columns
@@ -21,14 +21,7 @@ def read_paired(path: Path) -> Variation:
     SceneError
         If the file cannot be read, a value is missing, or it is no such table.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise SceneError(f"{path}: no such file") from None
-    except UnicodeDecodeError:
-        raise SceneError(f"{path}: not UTF-8; save the table as UTF-8") from None
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from None
+    text = read_text(path, "a table of cases")
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), 1)

@@ -73,7 +73,7 @@ def test_errors_of_each_value_replace_the_noise(folder: Path) -> None:
         ("noise = 0.01", "", "no noise; set noise, e.g. 0.01"),
         ("noise = 0.01", 'noise = 0.01\noffset = "fre"', r'curve\[0\].offset = "fre"'),
         ("noise = 0.01", "noise = 0.01\noffset = 30", "expected less than the last time, 20 min"),
-        ('"cell.csv"', '"sell.csv"', "sell.csv: cannot be read: No such file"),
+        ('"cell.csv"', '"sell.csv"', "sell.csv: no such file"),
         ("noise = 0.01", 'noise = 0.01\nset = { "growth.time" = 3 }', "set.growth.time is varied"),
         ("noise = 0.01", 'noise = 0.01\nset = { "turgor.presure" = 3 }', r"turgor.pressure\?"),
         (
@@ -136,3 +136,8 @@ def test_a_fit_needs_a_run_and_enough_values() -> None:
     still = bud.with_values({"run": None, "growth": None})
     with pytest.raises(SceneError, match="needs a run in time"):
         FitProblem.of(still, [curve], ["wall.thickness"])
+
+
+def test_a_fit_file_without_end_is_refused() -> None:
+    with pytest.raises(SceneError, match="/dev/zero: larger than 10 MB; expected a fit file"):
+        FitProblem.load(Path("/dev/zero"))

@@ -285,5 +285,7 @@ def test_derivatives_are_interpolated_like_the_history_up_to_the_last_known_row(
     at = found.interpolate("volume_ratio", [3.0, 5.5])
     np.testing.assert_allclose(at[0], [27, -2], atol=1e-12)
     assert np.isnan(at[1]).all()
+    with pytest.raises(ValueError, match="7 min lies outside the run"):
+        found.interpolate("volume_ratio", [3.0, 7.0])
     with pytest.raises(ValueError, match="no derivatives of step_min; choose one of pressure_MPa"):
         found.interpolate("step_min", [3.0])

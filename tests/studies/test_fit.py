@@ -7,8 +7,8 @@ import pytest
 
 from fenics_yeast import MeasuredCurve, Scene, SceneError, fit, simulate
 from fenics_yeast.scene import FitProblem
-from fenics_yeast.simulation import ShellPool
-from fenics_yeast.studies import NoFit, expected, fit_problem
+from fenics_yeast.simulation import ShellPool, UnloadedShapeError
+from fenics_yeast.studies import NoFit, Unknowns, expected, fit_model, fit_problem
 
 BUD = Scene.from_toml("""
 cell = { shape = "sphere", diameter = 5 }
@@ -150,3 +150,17 @@ def test_fit_is_a_function_of_the_package(shells: ShellPool) -> None:
     assert list(found.to_frame().index) == ["growth.time"]
     with pytest.raises(SceneError, match=r"did you mean growth\.time"):
         fit(BUD, [curve], vary=["growth.tme"])
+
+
+def test_values_without_an_unloaded_shape_are_like_invalid_ones(
+    shells: ShellPool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lost(*_: object, **__: object) -> None:
+        raise UnloadedShapeError("no unloaded shape")
+
+    problem = FitProblem.of(BUD, [made(shells)], ["growth.time"])
+    monkeypatch.setattr(fit_model, "simulate_with_derivatives", lost)
+    model = fit_model.FitModel(problem, shells)
+    evaluation = model.evaluate(Unknowns(problem).start)
+    assert not evaluation.complete and evaluation.message == "no unloaded shape"
+    assert np.isfinite(evaluation.chi2)

@@ -5,7 +5,7 @@ import pytest
 from support.shapes import ellipse
 
 from fenics_yeast import Scene, SceneError, simulate
-from fenics_yeast.scene import MeasuredOutlines, read_outlines
+from fenics_yeast.scene import MeasuredOutlines
 from fenics_yeast.simulation import Profile, Profiles
 from fenics_yeast.studies import compare_outlines, distances, outline_residuals
 
@@ -49,7 +49,7 @@ BUD = Scene.model_validate(
 def test_times_are_in_the_names_of_the_files(tmp_path):
     for name, radius in (("a_100min", 3), ("a_9min", 2), ("b-t0.5h", 2.5), ("30s_of_a", 1)):
         write(tmp_path / f"{name}.csv", *half(radius))
-    found = read_outlines(tmp_path / "*.csv")
+    found = MeasuredOutlines.read(tmp_path / "*.csv", noise=1.0).outlines
     assert [outline.time for outline in found] == [0.5, 9, 30, 100]
     assert [outline.points[:, 0].max() for outline in found] == pytest.approx(
         [1, 2, 2.5, 3], rel=1e-3
@@ -60,7 +60,7 @@ def test_times_are_in_the_names_of_the_files(tmp_path):
 def test_times_are_given_in_the_order_of_numbers_in_names(tmp_path):
     for number in (1, 2, 10):
         write(tmp_path / f"frame{number}.csv", *half(number))
-    found = read_outlines(tmp_path / "frame*.csv", times=[0, 5, 7.5])
+    found = MeasuredOutlines.read(tmp_path / "frame*.csv", noise=1.0, times=[0, 5, 7.5]).outlines
     assert [(outline.time, outline.source) for outline in found] == [
         (0, "frame1.csv"), (5, "frame2.csv"), (7.5, "frame10.csv")
     ]  # fmt: skip
@@ -69,7 +69,7 @@ def test_times_are_given_in_the_order_of_numbers_in_names(tmp_path):
 def test_times_are_in_a_column(tmp_path):
     rows = [(t, *row) for t in (40.0, 10.0) for row in np.column_stack(half(2 + t / 10))]
     np.savetxt(tmp_path / "all.csv", rows, delimiter=",", header="time_min,r,z", comments="")
-    found = read_outlines(tmp_path / "all.csv")
+    found = MeasuredOutlines.read(tmp_path / "all.csv", noise=1.0).outlines
     assert [(outline.time, round(outline.points[:, 0].max())) for outline in found] == [
         (10, 3), (40, 6)
     ]  # fmt: skip
@@ -89,7 +89,7 @@ def test_outlines_without_files_or_times_are_refused(tmp_path, names, pattern, t
     for name in names:
         write(tmp_path / f"{name}.csv", *half(1))
     with pytest.raises(SceneError, match=said) as caught:
-        read_outlines(tmp_path / pattern, times=times)
+        MeasuredOutlines.read(tmp_path / pattern, noise=1.0, times=times)
     assert str(tmp_path) in str(caught.value) and "\n" not in str(caught.value)
 
 

@@ -1,13 +1,14 @@
 """Sweeps over the rows of a table."""
 
 import csv
+from pathlib import Path
 
 import pytest
 from support import command
 from support.scenes import SMALL
 
 from fenics_yeast import Scene, SceneError
-from fenics_yeast.studies import parse_variation, plan, read_paired
+from fenics_yeast.studies import CaseRow, is_combined, parse_variation, plan, read_paired
 
 BUD = Scene.from_toml(SMALL)
 TABLE = "turgor.pressure,growth.threshold,growth.time\n0.2 MPa,0.9,45 min\n0.25,1000 kPa,1 h\n"
@@ -77,6 +78,8 @@ def test_other_files_are_refused(tmp_path):
     (tmp_path / "picture.csv").write_bytes(b"\x89PNG\xff\xfe")
     with pytest.raises(SceneError, match=r"picture\.csv: not UTF-8"):
         read_paired(tmp_path / "picture.csv")
+    with pytest.raises(SceneError, match="larger than 10 MB; expected a table of cases"):
+        read_paired(Path("/dev/zero"))
 
 
 def test_the_command_names_what_is_missing(here):
@@ -109,3 +112,18 @@ def test_a_sweep_over_rows_has_a_table_and_a_figure_and_can_be_continued(here):
     assert done.stdout.startswith("2 of 3 cases have already ended; skipping them\n3/3  ")
     plot = command.finish("plot", "sweep")
     assert (plot.returncode, plot.stdout) == (0, "sweep/sweep.png\n")
+
+
+@pytest.mark.parametrize(
+    ("rows", "combined"),
+    [
+        ([(1, 5), (1, 6), (2, 5), (2, 6)], True),
+        ([(1, 5), (2, 6)], False),
+        ([(1, 5, 7), (2, 5, 7)], False),
+        ([(1,), (2,)], False),
+        ([(1, 5)], False),
+    ],
+)
+def test_all_combinations_of_two_values_and_more_are_told_from_rows(rows, combined):
+    cases = [CaseRow(str(values), values, "finished", "") for values in rows]
+    assert is_combined(cases) is combined
