@@ -157,6 +157,6 @@ if __name__ == "__main__":
     found, examined = table(), stability()
     if "--write" in sys.argv[1:]:
         path = ROOT / "docs" / "cost.md"
-        path.write_text(
-            TEXT.format(repeats=REPEATS, table=found, stability=examined), encoding="utf-8"
-        )
+        _, start, rest = path.read_text(encoding="utf-8").partition("\n## Start\n")
+        text = TEXT.format(repeats=REPEATS, table=found, stability=examined)
+        path.write_text(text + start + rest, encoding="utf-8")
