@@ -224,24 +224,23 @@ def _check(points: Array, tolerance: float, edge: bool) -> None:
 
 def _crossing(points: Array) -> int | None:
     """Return the index of a segment that another one, not its neighbour, crosses."""
-    a, d = points[:-1], np.diff(points, axis=0)
     z = points[:, 1]
     # A rising segment above all before it and below all after it crosses none.
     highest = np.append(-np.inf, np.maximum.accumulate(z)[:-2])
     lowest = np.append(np.minimum.accumulate(z[::-1])[-3::-1], np.inf)
     falls = z[1:] <= z[:-1]
     others = np.flatnonzero(falls | (z[:-1] <= highest) | (z[1:] >= lowest))
-    a, d = a[others], d[others]
-    for i in range(len(a) - 2):
-        b, e = a[i + 2 :], d[i + 2 :]
-        gap = b - a[i]
-        area = d[i, 0] * e[:, 1] - d[i, 1] * e[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            s = (gap[:, 0] * e[:, 1] - gap[:, 1] * e[:, 0]) / area
-            t = (gap[:, 0] * d[i, 1] - gap[:, 1] * d[i, 0]) / area
-        if ((s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)).any():
-            return int(others[i])
-    return None
+    a, b = points[others], points[others + 1]
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    near = (low[:, None, 1] <= high[:, 1]) & (high[:, None, 1] >= low[:, 1])
+    i, j = np.nonzero(np.triu(near, 2))  # at the same height
+    d, e, gap = (b - a)[i], (b - a)[j], a[j] - a[i]
+    area = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = (gap[:, 0] * e[:, 1] - gap[:, 1] * e[:, 0]) / area
+        t = (gap[:, 0] * d[:, 1] - gap[:, 1] * d[:, 0]) / area
+    crossed = (s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)
+    return int(others[i[crossed][0]]) if crossed.any() else None
 
 
 def _fit(points: Array, tolerance: float, edge: bool) -> Parametric:

@@ -2,10 +2,7 @@
 
 import dataclasses
 import pickle
-import subprocess
-import sys
 from decimal import Decimal
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -256,26 +253,6 @@ def test_usual_units_have_the_digits_of_pint() -> None:
             for number in numbers:
                 quantity = units._registry().Quantity(Decimal(number), by_pint)
                 assert unit.read(f"{number} {name}") == float(quantity.to(unit.symbol).magnitude)
-
-
-@pytest.mark.process
-def test_a_scene_loads_neither_dolfinx_nor_pint(tmp_path):
-    path, bud = tmp_path / "balloon.toml", tmp_path / "bud.toml"
-    path.write_text(BALLOON)
-    bud.write_text(BUD)
-    code = (
-        "import sys; from fenics_yeast.scene import Scene; [*map(Scene.load, sys.argv[1:])];"
-        "print(*{'dolfinx', 'ufl', 'petsc4py', 'matplotlib', 'pint'} & set(sys.modules))"
-    )
-    root = Path(__file__).parents[2]
-    ran = subprocess.run(
-        [sys.executable, "-c", code, path, bud],
-        cwd=root,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert ran.stdout.strip() == ""
 
 
 def test_no_saved_times_means_the_end() -> None:
