@@ -3,7 +3,7 @@
 Threshold 1.07 MPa, growth time 38 min. The intervals of 95 % must contain these in 90 to 98 % of
 all noise. One curve does not separate the two, a second one at a lower turgor does.
 
-    python demos/fit_bud.py [SEEDS]        (default: 3; 200 take some 25 min on one core)
+    python demos/fit_bud.py [SEEDS]        (default: 3; 200 take some 12 min on one core)
 """
 
 import csv
