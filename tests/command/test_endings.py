@@ -67,7 +67,8 @@ INTERRUPTS = [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT
 @pytest.mark.parametrize("numbers", INTERRUPTS)
 def test_an_interrupted_run_exits_130_and_keeps_what_it_has(here: Path, numbers: list[int]) -> None:
     """Ctrl-C, the end of a batch job or of a connection; once more while figures are drawn."""
-    process = start("run", "small.toml", "--quiet", "--set", "numerics.step=0.002")
+    slow = ("--set", "numerics.step=0.002", "--set", "run.save=[20]")
+    process = start("run", "small.toml", "--quiet", *slow)
     folder = here / "out" / "small"
     wait_for(lambda: lines(folder) > 10, process)
     for number in numbers:
