@@ -194,7 +194,8 @@ class Job:
     def complete(self, result: Result, make: Callable[[], str | None] | None = None) -> Result:
         """Let interrupts act again, and make on rank 0 what may be interrupted or fail: figures.
 
-        Returns the result, on rank 0 with the warning that `make` returns if it failed.
+        Returns the result, on rank 0 with the warning that `make` returns if it failed. Without
+        `make`, nothing is written.
 
         Raises
         ------
@@ -207,7 +208,9 @@ class Job:
         began, failed = perf_counter(), None
         try:
             self.interrupts.release()
-            failed = None if make is None else make()
+            if make is None:
+                return result
+            failed = make()
         except KeyboardInterrupt:
             if result.status != "interrupted":
                 raise

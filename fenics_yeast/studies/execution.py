@@ -23,7 +23,7 @@ from ..output import SIGNALS, DolfinxMissing, FolderLock, Job, OutputError, RunL
 from ..scene import SceneError
 from ..simulation import Result, on_root
 from .cases import Case
-from .table import TABLE, CaseRow, finished_row, is_unfinished, read_table, row_of, write_table
+from .table import TABLE, CaseRow, GrowingTable, is_unfinished, read_table, row_of
 
 if TYPE_CHECKING:
     from ..simulation import ShellPool
@@ -36,7 +36,6 @@ _STOP = Event()  # its case ends after the current step
 _BUSY = Lock()  # held while it runs a case
 
 _KILLED = "its process was killed; if memory is short, rerun with a smaller --jobs"
-_Ended = Iterator[tuple[Case, str]]  # a case that has ended, and a message that its directory lacks
 
 
 class SweepScreen(Protocol):
@@ -108,24 +107,21 @@ def _run_cases(
     comm: Any,
     screen: SweepScreen | None,
 ) -> list[CaseRow]:
-    rows = {case.name: row for case in cases if (row := finished_row(directory, case))}
-    left = [case for case in cases if case.name not in rows]
+    table = GrowingTable(directory, keys, cases)
+    left = [case for case in cases if case.name not in table.rows]
     if screen is not None:
-        screen.begun(len(cases), list(rows.values()))
+        screen.begun(len(cases), list(table.rows.values()))
     ended = _on_ranks(directory, left, comm) if comm else _in_processes(directory, left, jobs)
-
-    def write() -> list[CaseRow]:
-        known = [rows[case.name] for case in cases if case.name in rows]
-        write_table(directory, keys, known)
-        return known
-
-    with closing(ended):  # type: ignore[type-var]
-        for case, message in ended:
-            rows[case.name] = row = _row(directory, case, message)
-            write()
-            if screen is not None:
-                screen.ended(row)
-    return write()
+    try:
+        with closing(ended):  # type: ignore[type-var]
+            for row in ended:
+                table.add(row)
+                if screen is not None:
+                    screen.ended(row)
+    except KeyboardInterrupt:
+        table.write()
+        raise
+    return table.write()
 
 
 def _claim(directory: Path) -> FolderLock:
@@ -138,14 +134,8 @@ def _claim(directory: Path) -> FolderLock:
     return lock
 
 
-def _row(directory: Path, case: Case, message: str) -> CaseRow:
-    """Return the row of a case that has ended; failed if its directory does not say how."""
-    try:
-        row = None if message else row_of(directory, case)
-    except (OutputError, SceneError) as error:
-        row, message = None, str(error)
-    message = message or "ended without run.json; rerun the sweep to try again"
-    return row or CaseRow(case.name, case.values, "failed", message)
+def _failed(case: Case, message: str) -> CaseRow:
+    return CaseRow(case.name, case.values, "failed", message)
 
 
 # In a process of its own ----------------------------------------------------------------------
@@ -190,8 +180,8 @@ def shells_of_process() -> "ShellPool":
     return ShellPool()
 
 
-def _work(directory: Path, case: Case) -> str:
-    """Run or resume a case; return a message that its directory lacks."""
+def _work(directory: Path, case: Case) -> CaseRow:
+    """Run or resume a case; return its row, failed if its directory does not say how it ended."""
     from .._mpi import MPI
 
     def run(resume: bool) -> Result:
@@ -210,12 +200,16 @@ def _work(directory: Path, case: Case) -> str:
             except OutputError:  # its checkpoint is damaged
                 result = run(resume=False)
         except OutputError as error:
-            return str(error)
+            return _failed(case, str(error))
         except RunLost as error:
-            return error.problem
+            return _failed(case, error.problem)
         if result.status == "interrupted" and not _STOP.is_set():
             raise KeyboardInterrupt  # it was meant for the whole sweep
-    return ""
+        try:
+            row = row_of(directory, case)
+        except (OutputError, SceneError) as error:
+            return _failed(case, str(error))
+    return row or _failed(case, "ended without run.json; rerun the sweep to try again")
 
 
 def _begin(parent: Connection) -> None:
@@ -239,25 +233,32 @@ def _begin(parent: Connection) -> None:
 # Processes of this machine --------------------------------------------------------------------
 
 
-def _in_processes(directory: Path, cases: Sequence[Case], jobs: int) -> _Ended:
-    """Yield cases as they end. Those running when a process dies are rerun one by one."""
-    waiting, suspects = deque(cases), deque[Case]()
+def _in_processes(directory: Path, cases: Sequence[Case], jobs: int) -> Iterator[CaseRow]:
+    """Yield the rows of cases as they end. Those running when a process dies are rerun one by one.
+
+    The next case runs while a row is used.
+    """
+    waiting, suspects, ended = deque(cases), deque[Case](), deque[CaseRow]()
     while waiting or suspects:
         batch, width = (suspects, 1) if suspects else (waiting, min(jobs, len(waiting)))
-        running: dict[Future[str], Case] = {}
+        running: dict[Future[CaseRow], Case] = {}
         try:
             with processes(width) as pool:
                 while batch or running:
                     while batch and len(running) < width:
                         future = submit(pool, _work, directory, batch[0])
                         running[future] = batch.popleft()
+                    while ended:
+                        yield ended.popleft()
                     for future in wait(running, return_when=FIRST_COMPLETED).done:
-                        message = _message(future)
-                        yield running.pop(future), message
+                        ended.append(_row(future, running[future]))
+                        del running[future]
         except BrokenProcessPool:
             if width == 1 and running:
-                yield running.popitem()[1], _KILLED
+                ended.append(_failed(running.popitem()[1], _KILLED))
             suspects.extend(running.values())
+        while ended:
+            yield ended.popleft()
 
 
 @contextmanager
@@ -291,13 +292,13 @@ def submit(
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _message(future: Future[str]) -> str:
+def _row(future: Future[CaseRow], case: Case) -> CaseRow:
     try:
         return future.result()
     except (BrokenProcessPool, DolfinxMissing):
         raise
     except Exception as error:
-        return f"{type(error).__name__}: {error}"
+        return _failed(case, f"{type(error).__name__}: {error}")
 
 
 # Ranks of MPI ---------------------------------------------------------------------------------
@@ -311,21 +312,21 @@ def _serve(comm: Any) -> None:
         return
 
 
-def _on_ranks(directory: Path, cases: Sequence[Case], comm: Any) -> _Ended:
-    """Yield cases as they end, one per rank at a time; rank 0 takes from the end of the list."""
+def _on_ranks(directory: Path, cases: Sequence[Case], comm: Any) -> Iterator[CaseRow]:
+    """Yield the rows of cases as they end, one per rank at a time; rank 0 takes the last ones."""
     with _executor(comm) as executor:
-        waiting: dict[Future[str], Case] = {
+        waiting: dict[Future[CaseRow], Case] = {
             executor.submit(_work, directory, case): case for case in cases
         }
         try:
             while waiting:
                 for future in [future for future in waiting if future.done()]:
-                    message = _message(future)
-                    yield waiting.pop(future), message
+                    row = _row(future, waiting[future])
+                    del waiting[future]
+                    yield row
                 own = next((future for future in reversed(waiting) if future.cancel()), None)
                 if own is not None:
-                    case = waiting.pop(own)
-                    yield case, _work(directory, case)
+                    yield _work(directory, waiting.pop(own))
                 elif waiting:
                     wait(waiting, return_when=FIRST_COMPLETED)
         finally:

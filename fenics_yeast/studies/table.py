@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
+from time import perf_counter
 from typing import get_args
 
 from ..output import OutputError, read_history, read_scene, read_summary, replace_file, writing
@@ -14,6 +15,7 @@ from .cases import Case
 
 TABLE = "sweep.csv"  # in the directory of the sweep
 _RATIO = ("volume_ratio_at_", "_min")
+_SHARE = 0.1  # largest part of the time for writing the table again after each case
 _LAST = ("end_volume_ratio", "wall_s", "message")
 
 
@@ -124,6 +126,42 @@ def write_table(directory: Path, keys: Sequence[str], rows: Iterable[CaseRow]) -
         )  # fmt: skip
     with writing(directory):
         replace_file(directory / TABLE, text.getvalue().encode())
+
+
+class GrowingTable:
+    """The table of a sweep whose cases end one after the other.
+
+    Parameters
+    ----------
+    directory, keys, cases
+        Directory of the sweep, its varied keys and all its cases.
+
+    Attributes
+    ----------
+    rows
+        Rows of the cases that have ended, by name; at first those finished before.
+    """
+
+    def __init__(self, directory: Path, keys: Sequence[str], cases: Sequence[Case]) -> None:
+        self._directory, self._keys, self._cases = directory, keys, cases
+        known = ((case.name, finished_row(directory, case)) for case in cases)
+        self.rows = {name: row for name, row in known if row is not None}
+        self._may_write_at = 0.0
+
+    def add(self, row: CaseRow) -> None:
+        """Add a row; rewrite the file unless that was done a moment ago."""
+        self.rows[row.case] = row
+        began = perf_counter()
+        if began >= self._may_write_at:
+            self.write()
+            now = perf_counter()
+            self._may_write_at = now + (now - began) / _SHARE
+
+    def write(self) -> list[CaseRow]:
+        """Write the file; return all known rows, in the order of the cases."""
+        known = [self.rows[case.name] for case in self._cases if case.name in self.rows]
+        write_table(self._directory, self._keys, known)
+        return known
 
 
 def read_table(directory: Path) -> tuple[list[str], list[CaseRow]]:
