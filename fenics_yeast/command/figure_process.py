@@ -92,7 +92,10 @@ def _serve(requests: IO[bytes], answers: IO[bytes]) -> None:
     for number in (signal.SIGINT, signal.SIGHUP):  # the command decides what they mean
         signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _leave)
-    import matplotlib.backends.backend_agg  # noqa: F401
+    import matplotlib.backends.backend_agg
+    import matplotlib.figure  # noqa: F401
+
+    from .. import figures  # noqa: F401
 
     while True:
         path, scene, result = pickle.load(requests)
