@@ -1,12 +1,14 @@
-"""The directory of compiled forms, safe for killed and simultaneous processes.
+"""The directories of compiled forms, safe for killed and simultaneous processes.
 
 FFCx marks a compilation by an empty C file and waits for the process that left it, which may be
-dead. Here one process compiles at a time, under a lock that ends with it, in a directory of our
-own: anything unfinished while the lock is held was abandoned, and is compiled again.
+dead. Here one process compiles a form at a time, under a lock that ends with it, in a directory of
+our own: anything unfinished while the lock is held was abandoned, and is compiled again. FFCx lists
+a directory to find a form there, so that each form has its own, or shares it with few.
 """
 
 import atexit
 import fcntl
+import hashlib
 import os
 import shutil
 import sys
@@ -47,6 +49,11 @@ def folder() -> Path:
     return place
 
 
+def place_of(identity: str) -> Path:
+    """Return the directory of forms of an identity, which is the same in all processes."""
+    return folder() / hashlib.sha1(identity.encode(), usedforsecurity=False).hexdigest()
+
+
 def temporary(name: str) -> Path:
     """Return a directory private to this process and user, removed at its end."""
     place = Path(tempfile.mkdtemp(prefix=f"fenics-yeast-{name}-"))
@@ -56,37 +63,16 @@ def temporary(name: str) -> Path:
 
 @contextmanager
 def held(place: Path) -> Iterator[None]:
-    """Hold the lock of a directory; remove unfinished compilations."""
+    """Hold the lock of a directory of forms; remove unfinished compilations."""
+    place.mkdir(exist_ok=True)
     with open(place / _LOCK, "a") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX)  # ends with the process, however that ends
         except OSError:  # a file system without locks
             pass
         else:
-            _keeper(place).clean()
+            _remove_unfinished(place)
         yield
-        _keeper(place).note()
-
-
-class _Keeper:
-    """Removes unfinished compilations from a directory when another process has changed it."""
-
-    def __init__(self, place: Path) -> None:
-        self._place, self._changed = place, -1
-
-    def clean(self) -> None:
-        """Look at all files, unless no file has come or gone since this process has."""
-        if self._place.stat().st_mtime_ns != self._changed:
-            _remove_unfinished(self._place)
-
-    def note(self) -> None:
-        """Take the files as they are for good ones."""
-        self._changed = self._place.stat().st_mtime_ns
-
-
-@cache
-def _keeper(place: Path) -> _Keeper:
-    return _Keeper(place)
 
 
 def _remove_unfinished(place: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+import ufl
 from numpy.typing import NDArray
 from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
@@ -37,7 +38,7 @@ def _quiet() -> Iterator[None]:
 
 def compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
     """Compile a source by `make`, on all ranks of a communicator."""
-    place = comm.bcast(_form_cache.folder() if comm.rank == 0 else None)
+    place = comm.bcast(_place(source) if comm.rank == 0 else None)
     options = {JIT_KEYWORD: _options(place)}
     try:
         with _quiet():
@@ -55,6 +56,21 @@ def compiled(comm: Any, source: Any, make: Callable[..., T]) -> T:
         if library in _COMPILERS or "just-in-time compilation" in str(error):
             raise _form_cache.compiler_error(place, error) from error
         raise
+
+
+def _place(source: Any) -> Path:
+    """Return the directory for a form, an expression with its points, or an element.
+
+    The signature of a form serves FFCx again; that of an expression would be computed once more.
+    """
+    if isinstance(source, ufl.Form):
+        identity = source.signature()
+    elif isinstance(source, tuple):
+        expression, points = source
+        identity = f"{expression.ufl_shape} at {len(points)} points"
+    else:
+        identity = repr(source)
+    return _form_cache.place_of(identity)
 
 
 def _options(place: Path) -> dict[str, Any]:
@@ -106,8 +122,9 @@ def compiled_together(comm: Any, make: Callable[[], T]) -> T:
     Where forms are missing in the cache, they are compiled by as many processes as cores.
     """
 
-    def compile_one(source: Any, place: Path) -> None:
-        with _quiet():
+    def compile_one(source: Any) -> None:
+        place = _place(source)
+        with _quiet(), _form_cache.held(place):
             jit.ffcx_jit.__wrapped__(source, SCALAR, _options(place))  # without MPI
 
     return together.together(make, compile_one, comm)

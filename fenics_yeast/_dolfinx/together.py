@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from .. import _form_cache
 from .._mpi import ALONE
 
 T = TypeVar("T")
@@ -62,7 +61,7 @@ def watched(place: Path) -> Iterator[None]:
         raise FirstCompilation
 
 
-def together(make: Callable[[], T], compile_one: Callable[[Any, Path], object], comm: Any) -> T:
+def together(make: Callable[[], T], compile_one: Callable[[Any], object], comm: Any) -> T:
     """Return what a function makes. If forms are missing in the cache, compile them at once.
 
     The function is called again after the first compilation, to find out which other forms it
@@ -74,7 +73,7 @@ def together(make: Callable[[], T], compile_one: Callable[[Any, Path], object], 
     make
         Compiles forms, and can be called repeatedly.
     compile_one
-        Compiles a source into a directory.
+        Compiles a source into the cache.
     comm
         Communicator of the forms.
     """
@@ -86,9 +85,7 @@ def together(make: Callable[[], T], compile_one: Callable[[Any, Path], object], 
     planned = Plan()
     with suppress(Exception), _purpose_of(planned):  # an error will occur again
         make()
-    place = _form_cache.folder()
-    with _form_cache.held(place):
-        _compile(planned.sources, lambda source: compile_one(source, place), cores)
+    _compile(planned.sources, compile_one, cores)
     return make()
 
 

@@ -5,6 +5,7 @@ Modules that only a run or a figure needs are imported in functions, to keep sta
 
 from __future__ import annotations
 
+import gc
 from importlib.resources import files
 from pathlib import Path
 from shlex import quote
@@ -332,4 +333,7 @@ def _screen(scene: Scene) -> Lines | ProgressLine:
 def main() -> None:
     """Run the command."""
     prepare()
-    app()
+    try:
+        app()
+    finally:
+        gc.freeze()  # the interpreter would search all forms for garbage once more
